@@ -1,0 +1,36 @@
+// The backend as its process sees it: keyframe proposals in, versioned map deltas out.
+//
+// Owns the map. Knows neither LCM nor time: what it does depends on its inputs and their order
+// alone.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "backend/mapper_options.h"
+#include "core/geometry/camera.h"
+#include "core/messages/keyframe_proposal.h"
+#include "core/messages/map_delta.h"
+
+namespace vpslam {
+
+class Mapper {
+ public:
+  Mapper(const Camera& camera, const MapperOptions& options, uint64_t seed);
+  ~Mapper();
+
+  /// Works the keyframe into the map. The last part has `answers` set to the keyframe's id.
+  std::vector<MapDelta> Process(const KeyframeProposal& proposal);
+
+  /// The whole map, in parts, for a replica that has nothing or missed something.
+  std::vector<MapDelta> Snapshot() const;
+
+  int64_t version() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace vpslam

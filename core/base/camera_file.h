@@ -1,0 +1,15 @@
+// Camera calibration as a flat YAML file: width, height, fx, fy, cx, cy; optional fps and k1, k2,
+// p1, p2, k3.
+#pragma once
+
+#include <string>
+
+#include "core/geometry/camera.h"
+
+namespace vpslam {
+
+/// Reads and validates `path`. Throws std::runtime_error with one line naming file, fault and
+/// remedy.
+Camera ReadCameraFile(const std::string& path);
+
+}  // namespace vpslam

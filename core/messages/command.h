@@ -1,0 +1,21 @@
+// A request to a process of the graph.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace vpslam {
+
+enum class CommandAction : int32_t {
+  kStop = 1,        ///< end the sequence now, as if it were over; results are written
+  kReset = 2,       ///< frontend: drop the map, start a new one
+  kSaveNow = 3,     ///< recorder: write the results so far
+  kSendCamera = 4,  ///< player: repeat the camera message at once
+};
+
+struct Command {
+  std::string target;  ///< process name; empty: everyone whom it concerns
+  CommandAction action = CommandAction::kStop;
+};
+
+}  // namespace vpslam

@@ -1,0 +1,76 @@
+// A change of the map, as the backend publishes it and replicas apply it.
+//
+// Deltas hold absolute values, so that applying one twice does no harm. `version` counts them; a
+// replica applies a delta when base_version is the version it has, and asks for a snapshot else.
+// A large change travels in parts of at most kMaxPartBytes; versions count parts.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/map/ids.h"
+#include "core/messages/stages.h"
+
+namespace vpslam {
+
+/// Feature `feature` of a keyframe observes map point `point`.
+struct FeaturePoint {
+  int32_t feature = 0;
+  PointId point;
+};
+
+struct KeyframeState {
+  KeyframeId id;
+  MapId map;
+  int64_t frame_seq = 0;
+  int64_t stamp_us = 0;
+  /// Culled keyframes stay, without observations, so that poses which hang on them can be expressed
+  /// through their parent.
+  bool culled = false;
+  SE3 cam_from_world;   ///< of a culled keyframe: to be derived from parent and cam_from_parent
+  KeyframeId parent;    ///< invalid for the first keyframe of a map
+  SE3 cam_from_parent;  ///< fixed at culling
+  std::vector<FeaturePoint> observations;
+};
+
+/// What local bundle adjustment moves.
+struct PointGeometry {
+  PointId id;
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< in world
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< mean unit vector from point to cameras
+  float max_distance = 0;  ///< farthest distance from which level 0 can show it
+};
+
+/// What changes rarely.
+struct PointAppearance {
+  PointId id;
+  MapId map;
+  KeyframeId reference;
+  Descriptor descriptor{};
+};
+
+/// The point is gone; where it was fused into another, `replacement` is valid.
+struct PointTombstone {
+  PointId id;
+  PointId replacement;
+};
+
+struct MapDelta {
+  int64_t base_version = 0;
+  int64_t version = 0;
+  bool snapshot = false;  ///< first part of a snapshot: the replica clears itself first
+  /// Set on the last part of the answer to a keyframe: everything it caused is in the map now.
+  KeyframeId answers;
+  MappingTimes times;  ///< of that keyframe
+  std::vector<MapId> erased_maps;
+  std::vector<KeyframeState> keyframes;
+  std::vector<PointAppearance> appearances;  ///< of new and of changed points
+  std::vector<PointGeometry> geometries;
+  std::vector<PointTombstone> tombstones;
+};
+
+}  // namespace vpslam

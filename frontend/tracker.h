@@ -1,0 +1,48 @@
+// The frontend as its process sees it: images in; poses and keyframe proposals out; map deltas in.
+//
+// Knows neither LCM nor time: what it does depends on its inputs and their order alone.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/camera.h"
+#include "core/messages/frame_pose.h"
+#include "core/messages/image_frame.h"
+#include "core/messages/keyframe_proposal.h"
+#include "core/messages/map_delta.h"
+#include "frontend/tracker_options.h"
+
+namespace vpslam {
+
+class Tracker {
+ public:
+  /// What one step brings, to be published in this order.
+  struct Output {
+    std::vector<FramePose> poses;
+    /// At most two (a new map starts with two). In lockstep, nothing more goes into the tracker
+    /// until the map delta that answers the last of them was applied.
+    std::vector<KeyframeProposal> keyframes;
+  };
+
+  Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed);
+  ~Tracker();
+
+  Output Track(const ImageFrame& image);
+
+  /// Returns false if the delta does not fit the version that the replica has: ask for a snapshot.
+  bool Apply(const MapDelta& delta);
+
+  /// Poses of earlier frames that could be found only now (tracked backwards from a new map); to be
+  /// called after the answer to a proposal was applied. Their `live` is false.
+  std::vector<FramePose> TakeLatePoses();
+
+  int64_t map_version() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace vpslam
