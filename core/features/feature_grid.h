@@ -56,7 +56,7 @@ class FeatureGrid {
     int32_t octave;
     int32_t index;
   };
-  /// Half-open; empty if the circle lies outside of the grid.
+  /// Half-open.
   struct CellRange {
     int column_begin = 0, column_end = 0, row_begin = 0, row_end = 0;
   };
