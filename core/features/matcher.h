@@ -40,7 +40,7 @@ struct InitialisationMatchOptions {
   float ratio = 0.9f;
   bool first_octave_only = true;  ///< else all octaves, matched within one octave of each other
   bool check_rotation = true;
-  RotationConsistencyOptions rotation;
+  RotationConsistencyOptions rotation = {};
 };
 
 /// One-to-one, ordered by `first`. `predicted_px[i]` is where first.keypoints[i] is expected in the
@@ -55,7 +55,7 @@ std::vector<Match> MatchForInitialisation(const Features& first, const Features&
 struct WindowQuery {
   float x_px = 0, y_px = 0;  ///< expected position, undistorted
   float radius_px = 0;
-  OctaveRange octaves;
+  OctaveRange octaves = {};
   int max_distance = 100;  ///< Hamming
   /// Applied when best and runner-up have the same octave: a neighbouring octave often shows the
   /// same corner once more, which is no ambiguity. 1 or more: never.
@@ -94,7 +94,7 @@ struct TriangulationMatchOptions {
   double epipolar_chi2 = 3.84;  ///< squared distance from the epipolar line / sigma2(octave)
   double min_epipole_px = 10;   ///< x scale(octave): nearer to the epipole, depth is undefined
   bool check_rotation = true;
-  RotationConsistencyOptions rotation;
+  RotationConsistencyOptions rotation = {};
 };
 
 /// Matches of the features listed in `first_free` with those in `second_free` (indices, ascending),

@@ -22,7 +22,7 @@ std::vector<Descriptor> Describe(const cv::Mat& image, const std::vector<Corner>
   // One level and no edge threshold: key points stay as they are, in number and order.
   const cv::Ptr<cv::ORB> orb = cv::ORB::create(static_cast<int>(corners.size()), 1.2f, 1, 0);
   cv::Mat result;
-  orb->compute(image, keypoints, result);
+  orb->compute(image.clone(), keypoints, result);
   if (keypoints.size() != corners.size() || result.cols != sizeof(Descriptor)) {
     throw std::logic_error("cv::ORB dropped key points");
   }
