@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -101,15 +102,21 @@ std::vector<double> EpipolarErrors(const Frame& a, const Frame& b, const Camera&
 
 /// Sums over many pairs of frames.
 struct Tally {
-  std::vector<double> matches, inliers, inlier_errors, time_ms;
-  void Add(const std::vector<double>& errors, double ms) {
+  std::vector<double> matches, inliers, inlier_errors, cells, time_ms;
+  void Add(const Frame& b, const std::vector<Match>& found, const std::vector<double>& errors,
+           double ms) {
     constexpr double kInlier_px = 2.0;
+    constexpr float kCell_px = 40;
     int n = 0;
-    for (const double e : errors) {
-      if (e >= kInlier_px) continue;
+    std::set<std::pair<int, int>> occupied;
+    for (size_t i = 0; i < errors.size(); ++i) {
+      if (errors[i] >= kInlier_px) continue;
       ++n;
-      inlier_errors.push_back(e);
+      inlier_errors.push_back(errors[i]);
+      const Keypoint& k = b.features.keypoints[found[i].second];
+      occupied.insert({static_cast<int>(k.x_px / kCell_px), static_cast<int>(k.y_px / kCell_px)});
     }
+    cells.push_back(static_cast<double>(occupied.size()));
     matches.push_back(static_cast<double>(errors.size()));
     inliers.push_back(n);
     time_ms.push_back(ms);
@@ -118,9 +125,10 @@ struct Tally {
     const double sum = std::accumulate(matches.begin(), matches.end(), 0.0);
     const double good = std::accumulate(inliers.begin(), inliers.end(), 0.0);
     fmt::print(
-        "  {:<16} matches {:6.1f}  inliers {:6.1f}  ratio {:.3f}  error {:.3f} px  {:.2f} ms\n",
+        "  {:<16} matches {:6.1f}  inliers {:6.1f}  ratio {:.3f}  cells {:5.1f}  error {:.3f} px  "
+        "{:.2f} ms\n",
         name, sum / static_cast<double>(matches.size()), good / static_cast<double>(matches.size()),
-        good / sum, Median(inlier_errors), Median(time_ms));
+        good / sum, Median(cells), Median(inlier_errors), Median(time_ms));
   }
 };
 
@@ -138,14 +146,14 @@ void MeasureMatching(const std::vector<Frame>& frames, int gap, const Camera& ca
     auto begin = std::chrono::steady_clock::now();
     std::vector<Match> matches = MatchByDescriptor(a.features.descriptors, b.features.descriptors);
     double ms = Since_ms(begin);
-    brute.Add(EpipolarErrors(a, b, camera, scales, matches), ms);
+    brute.Add(b, matches, EpipolarErrors(a, b, camera, scales, matches), ms);
 
     std::vector<Eigen::Vector2f> predicted_px;
     for (const Keypoint& k : a.features.keypoints) predicted_px.emplace_back(k.x_px, k.y_px);
     begin = std::chrono::steady_clock::now();
     matches = MatchForInitialisation(a.features, b.features, b.grid, predicted_px);
     ms = Since_ms(begin);
-    initial.Add(EpipolarErrors(a, b, camera, scales, matches), ms);
+    initial.Add(b, matches, EpipolarErrors(a, b, camera, scales, matches), ms);
 
     std::vector<int32_t> all_a(a.features.size()), all_b(b.features.size());
     std::iota(all_a.begin(), all_a.end(), 0);
@@ -154,7 +162,7 @@ void MeasureMatching(const std::vector<Frame>& frames, int gap, const Camera& ca
     matches = MatchForTriangulation(a.features, all_a, b.features, all_b,
                                     b.cam_from_world * a.cam_from_world.Inverse(), camera, scales);
     ms = Since_ms(begin);
-    triangulation.Add(EpipolarErrors(a, b, camera, scales, matches), ms);
+    triangulation.Add(b, matches, EpipolarErrors(a, b, camera, scales, matches), ms);
   }
   if (brute.matches.empty()) return;
   fmt::print("{} frames apart\n", gap);

@@ -50,7 +50,7 @@ std::optional<std::string> OrbOptions::Validate() const {
     return "fast_threshold_low must lie in 1 to fast_threshold";
   }
   if (cell_px < 8 || cell_px > 1024) return "cell_px must lie in 8 to 1024";
-  return std::nullopt;
+  return distribution.Validate();
 }
 
 class OrbExtractor::Impl {
@@ -65,6 +65,7 @@ class OrbExtractor::Impl {
                    .threshold_low = options_.fast_threshold_low,
                    .cell_px = options_.cell_px,
                    .margin_px = kDescriptorMargin_px}),
+        distribution_(options_.distribution),
         corners_(pyramid_.num_levels()) {}
 
   Features Extract(const cv::Mat& image) {

@@ -13,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
+#include "core/features/keypoint_distribution.h"
 #include "core/features/scale_levels.h"
 #include "core/geometry/camera.h"
 
@@ -25,6 +26,7 @@ struct OrbOptions {
   int fast_threshold = 20;     ///< grey levels by which a corner's arc differs from its centre
   int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level
+  DistributionOptions distribution = {};
 
   std::optional<std::string> Validate() const;
 };
