@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/features/corner_detector.h"
+#include "core/features/corner_refinement.h"
 #include "core/features/image_pyramid.h"
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
@@ -116,10 +117,12 @@ class OrbExtractor::Impl {
     std::vector<Corner>& corners = corners_[octave];
     std::vector<Keypoint> keypoints;
     {
-      const Stopwatch watch(&timings_.undistortion_ms);
+      const Stopwatch watch(&timings_.position_ms);
       std::erase_if(corners, [&](const Corner& c) {
-        const auto position = camera_.Undistort(
-            {pyramid_.ToLevelZeroX(octave, c.x), pyramid_.ToLevelZeroY(octave, c.y)});
+        const auto [dx, dy] = SubpixelOffset(level, c.x, c.y);
+        const auto position =
+            camera_.Undistort({pyramid_.ToLevelZeroX(octave, static_cast<float>(c.x) + dx),
+                               pyramid_.ToLevelZeroY(octave, static_cast<float>(c.y) + dy)});
         if (!position || !bounds_.Contains(*position)) return true;
         keypoints.push_back({.x_px = static_cast<float>(position->x()),
                              .y_px = static_cast<float>(position->y()),

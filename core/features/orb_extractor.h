@@ -39,7 +39,7 @@ struct OrbTimings {
   double orientation_ms = 0;
   double blur_ms = 0;
   double description_ms = 0;
-  double undistortion_ms = 0;
+  double position_ms = 0;  ///< to fractions of pixels, undistorted
 };
 
 /// Holds the buffers between images, so one per thread.
