@@ -60,7 +60,10 @@ class Adjustment {
  public:
   Adjustment(const Window& window, const Camera& camera, const ScalePyramid& scales,
              const KeyframeStore& store, const Map& map)
-      : window_(window), camera_(camera), scales_(scales), problem_(ProblemOptions()),
+      : window_(window),
+        camera_(camera),
+        scales_(scales),
+        problem_(ProblemOptions()),
         ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
     for (const auto& ids : {window.moved, window.fixed}) {
       for (const KeyframeId id : ids) poses_[id] = ToParameters(map.Find(id)->cam_from_world);
