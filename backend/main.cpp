@@ -1,5 +1,4 @@
 // The backend: owns the map, works keyframes into it and publishes its changes.
-#include <cstdint>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -16,14 +15,12 @@ int main(int argc, char** argv) {
   options.name = "backend";
   options.required = {"frontend", "recorder"};
   AddProcessOptions(app, &options);
-  uint64_t seed = 1;
-  app.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
 
   return RunProcess(app, argc, argv, &options, [&](Process& process) {
     cv::setNumThreads(1);  // results must not depend on the number of cores
     std::unique_ptr<Mapper> mapper;
     const auto make_mapper = [&](const Camera& camera) {
-      mapper = std::make_unique<Mapper>(camera, MapperOptions(), seed);
+      mapper = std::make_unique<Mapper>(camera, MapperOptions());
       return MapperCalls{
           [&](const KeyframeProposal& keyframe) { return mapper->Process(keyframe); },
           [&] { return mapper->Snapshot(); }, [&] { return mapper->version(); }};

@@ -13,6 +13,8 @@ namespace vpslam {
 namespace {
 
 constexpr const char* kName = "frontend";
+constexpr const char* kBackend = "backend";
+constexpr const char* kPlayer = "player";
 constexpr std::chrono::milliseconds kRequestPeriod{500};
 constexpr std::chrono::hours kForever{24 * 365};
 
@@ -33,6 +35,7 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
     : bus_(bus),
       peers_(peers),
       status_(status),
+      required_(required),
       make_tracker_(std::move(make_tracker)),
       camera_(bus),
       images_(bus, kImageChannel, kName, AckPolicy::kWhenDone),
@@ -46,9 +49,11 @@ void FrontendProcess::Run() {
   const std::optional<Camera> camera = camera_.Wait();
   if (!camera) return;
   tracker_ = make_tracker_(*camera);
+  if (!CatchUp()) return;
+  CheckBackend();
   status_.SetState(ProcessState::kRunning);
   while (true) {
-    if (!peers_.WaitFor([this] { return images_.HasNews(); }, {"player"})) return;
+    if (!peers_.WaitFor([this] { return images_.HasNews(); }, {kPlayer})) return;
     status_.SetQueued(static_cast<int64_t>(images_.size()));
     if (images_.Ended()) break;
     const auto item = images_.TryTake();
@@ -81,7 +86,7 @@ bool FrontendProcess::Process(const Images::Item& item) {
   for (const KeyframeProposal& keyframe : output.keyframes) {
     if (!keyframes_.Send(keyframe)) return false;
   }
-  return WaitForAnswer(output.keyframes.back().id) && SendPoses(tracker_->take_late_poses());
+  return WaitForAnswer(output.keyframes.back().id);
 }
 
 bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
@@ -89,18 +94,31 @@ bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
                      [this](const FramePose& pose) { return poses_.Send(pose); });
 }
 
+bool FrontendProcess::CatchUp() {
+  // A backend that is needed is waited for, since only it can tell whether there is a map already.
+  const std::vector<std::string> missing = RequiredConsumers(kKeyframeConsumers, required_);
+  if (!bus_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, kForever)) return false;
+  const auto backend = peers_.Get(kBackend);
+  if (!backend || backend->processed == 0) return true;
+  spdlog::info("there is a map already; asking for it");
+  resyncing_ = true;
+  return TakeDeltasUntil([this] { return !resyncing_; });
+}
+
 bool FrontendProcess::WaitForAnswer(KeyframeId keyframe) {
+  return TakeDeltasUntil([&] { return answered_ == keyframe && !resyncing_; });
+}
+
+bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
   auto next_request = std::chrono::steady_clock::now();
-  while (answered_ != keyframe || resyncing_) {
+  while (!enough()) {
     if (resyncing_ && std::chrono::steady_clock::now() >= next_request) {
-      requests_.Publish({kName, tracker_->map_version()});
+      requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
       next_request = std::chrono::steady_clock::now() + kRequestPeriod;
     }
     if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
       if (bus_.interrupted()) return false;
-      if (const auto why = peers_.WhyGone("backend"); why && !deltas_.HasMessage()) {
-        throw PeerGoneError(*why);
-      }
+      CheckBackend();
       continue;
     }
     if (const auto item = deltas_.TryTake()) TakeUp(*item);
@@ -108,17 +126,24 @@ bool FrontendProcess::WaitForAnswer(KeyframeId keyframe) {
   return true;
 }
 
+void FrontendProcess::CheckBackend() {
+  if (const auto why = peers_.WhyGone(kBackend); why && !deltas_.HasMessage()) {
+    throw PeerGoneError(*why);
+  }
+  const auto session = peers_.Session(kBackend);
+  if (backend_session_ && session != backend_session_) {
+    throw PeerGoneError("the backend was restarted and its map is lost; start the run again");
+  }
+  backend_session_ = session;
+}
+
 void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
   const MapDelta& delta = item.value;
-  if (item.restarted) {
-    spdlog::warn("the backend was restarted; asking for its map");
-    resyncing_ = true;
-    newest_version_ = 0;
-  }
   if (delta.answers.IsValid()) answered_ = delta.answers;
   newest_version_ = std::max(newest_version_, delta.version);
   if (resyncing_) {
-    // Deltas are of no use until the snapshot begins, and fit one another from there on.
+    // Deltas are refused until the snapshot begins, and fit one another from there on. The replica
+    // has a version below 0 until the snapshot is complete.
     if (tracker_->apply(delta) && tracker_->map_version() >= newest_version_) resyncing_ = false;
     return;
   }
@@ -133,12 +158,13 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
 }
 
 bool FrontendProcess::Finish() {
+  if (!SendPoses(tracker_->finish().poses)) return false;
   if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
   if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;
   // The backend ends MAP next, and waits until this process has received that.
-  if (!peers_.Get("backend")) return true;
+  if (!peers_.Get(kBackend)) return true;
   while (!deltas_.Ended()) {
-    if (!peers_.WaitFor([this] { return deltas_.HasNews(); }, {"backend"})) return false;
+    if (!peers_.WaitFor([this] { return deltas_.HasNews(); }, {kBackend})) return false;
     deltas_.TryTake();
   }
   return true;

@@ -32,7 +32,7 @@ namespace vpslam {
 struct TrackerCalls {
   std::function<Tracker::Output(const ImageFrame&)> track;
   std::function<bool(const MapDelta&)> apply;
-  std::function<std::vector<FramePose>()> take_late_poses;
+  std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
 };
 
@@ -55,12 +55,17 @@ class FrontendProcess {
   bool Process(const Images::Item& item);
   bool Finish();
   bool SendPoses(const std::vector<FramePose>& poses);
+  /// Takes the map over, if there is one already.
+  bool CatchUp();
   bool WaitForAnswer(KeyframeId keyframe);
+  bool TakeDeltasUntil(const std::function<bool()>& enough);
+  void CheckBackend();
   void TakeUp(const StreamReader<MapDelta>::Item& item);
 
   Bus& bus_;
   Peers& peers_;
   StatusReporter& status_;
+  const std::vector<std::string> required_;
   const MakeTracker make_tracker_;
   std::optional<TrackerCalls> tracker_;
 
@@ -75,6 +80,7 @@ class FrontendProcess {
   KeyframeId answered_;         ///< last keyframe whose answer was seen
   bool resyncing_ = false;      ///< the replica missed something and waits for a snapshot
   int64_t newest_version_ = 0;  ///< of the map, as far as deltas told
+  std::optional<int64_t> backend_session_;
 };
 
 }  // namespace vpslam

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
       tracker = std::make_unique<Tracker>(camera, TrackerOptions(), seed);
       return TrackerCalls{[&](const ImageFrame& image) { return tracker->Track(image); },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
-                          [&] { return tracker->TakeLatePoses(); },
+                          [&] { return tracker->Finish(); },
                           [&] { return tracker->map_version(); }};
     };
     FrontendProcess frontend(process.bus, process.peers, process.status, options.required,
