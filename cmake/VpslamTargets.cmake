@@ -13,6 +13,9 @@ function(vpslam_library name)
   target_link_libraries(${name} PUBLIC vpslam_flags ${ARG_DEPENDS})
 endfunction()
 
+# All processes, without the tests: what scripts/vpslam builds.
+add_custom_target(programs)
+
 # vpslam_program(NAME SOURCES main.cpp DEPENDS target ...): a process, installed to bin/.
 function(vpslam_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
@@ -20,6 +23,7 @@ function(vpslam_program name)
   target_link_libraries(${name} PRIVATE vpslam_flags ${ARG_DEPENDS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   install(TARGETS ${name} RUNTIME DESTINATION bin)
+  add_dependencies(programs ${name})
 endfunction()
 
 # vpslam_test(NAME SOURCES a_test.cpp ... DEPENDS target ... [TIMEOUT seconds])
