@@ -38,3 +38,15 @@ function(vpslam_test name)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
+
+# vpslam_python_test(NAME FILE [TIMEOUT seconds] [LABELS label ...]): a file of Python's unittest,
+# run by Debian's Python. It finds the programs of this build in VPSLAM_BIN_DIR.
+function(vpslam_python_test name file)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 60)
+  endif()
+  add_test(NAME ${name} COMMAND /usr/bin/python3 -s ${CMAKE_CURRENT_SOURCE_DIR}/${file} -v)
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}"
+                       ENVIRONMENT VPSLAM_BIN_DIR=${PROJECT_BINARY_DIR}/bin)
+endfunction()
