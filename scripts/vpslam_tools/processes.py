@@ -5,27 +5,33 @@
                    recorder
 """
 
+import json
+
 from vpslam_tools import paths
 
 # From the source downstream; the player ends first, the recorder last.
 GRAPH = ["player", "frontend", "backend", "recorder"]
+# What summary.json says of how a run was started.
+TOLD_OPTIONS = ["sequence", "camera", "config", "pace", "preset", "start", "frames"]
 
 
 def command_lines(options, url, session, out):
-    """{name: command} for `vpslam run` options. Options that were not given are not passed: the
+    """{name: command} for the options of `vpslam run`. What was not given is not passed: the
     defaults are the binaries' own."""
-    def given(flag, value):
-        return [] if value is None else [flag, str(value)]
+    def given(*names):
+        return [word for name in names if getattr(options, name) is not None
+                for word in (f"--{name}", str(getattr(options, name)))]
 
-    common = (["--url", url, "--session", str(session), "--require",
-               ",".join(GRAPH[1:])] + given("--pace", options.pace))
-    system = given("--config", options.config) + given("--seed", options.seed)
+    # Each stream waits for those of its consumers that are named here.
+    common = (["--url", url, "--session", str(session), "--require", ",".join(GRAPH[1:])]
+              + given("pace"))
+    told = {name: getattr(options, name) for name in TOLD_OPTIONS
+            if getattr(options, name) is not None}
     arguments = {
-        "player": ([options.sequence, "--wait-for", ",".join(GRAPH[1:])]
-                   + given("--camera", options.camera) + given("--frames", options.frames)
-                   + given("--start", options.start)),
-        "frontend": system + given("--preset", options.preset),
-        "backend": system + given("--preset", options.preset),
-        "recorder": ["--out", str(out), "--progress"] + given("--seed", options.seed),
+        "player": [options.sequence] + given("camera", "start", "frames"),
+        "frontend": given("config", "preset", "seed"),
+        "backend": given("config", "preset", "seed"),
+        "recorder": ["--out", str(out), "--progress", "--options", json.dumps(told)]
+        + given("seed"),
     }
     return {name: [str(paths.binaries() / name)] + arguments[name] + common for name in GRAPH}

@@ -40,12 +40,14 @@ def add_parser(commands):
     parser.add_argument("--out", metavar="DIR",
                         help="results folder; default: results/DATE-SEQUENCE")
     parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
-    parser.add_argument("--pace", choices=["lockstep"],
+    parser.add_argument("--pace", choices=["lockstep"], default="lockstep",
                         help="lockstep (default): nothing is dropped, results repeat exactly")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
-    parser.add_argument("--seed", type=at_least(0), metavar="N", help="of the random numbers")
-    parser.add_argument("--preset", choices=["points"], help="points (default)")
+    parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",
+                        help="of the random numbers (default: 1)")
+    parser.add_argument("--preset", choices=["points"], default="points",
+                        help="points (default): point features only")
     parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
     parser.add_argument("--session", type=at_least(1), metavar="N",
                         help="id of the run in its messages; default: a random one")

@@ -1,0 +1,127 @@
+#!/usr/bin/python3
+"""Renders a short sequence in TUM's layout: a walk along a textured room with a few pillars.
+
+    make_sequence.py FOLDER [--frames N]
+
+Everything is deterministic. Surfaces are axis-aligned boxes: the room seen from inside, the pillars
+from outside; each ray is cut with their slabs, and each face looks into a part of its own of one
+texture of random rectangles.
+"""
+
+import argparse
+import pathlib
+
+import numpy as np
+
+WIDTH, HEIGHT, FOCAL_PX, FPS = 640, 480, 525.0, 30
+ROOM = np.array([[-3.0, -1.5, -3.0], [3.0, 1.5, 3.0]])  # metres; x right, y down, z forward
+PILLARS = np.array([[[-1.6, -1.5, 1.2], [-1.1, 1.5, 1.7]],
+                    [[0.2, 0.2, 0.6], [0.8, 1.5, 1.2]],
+                    [[1.3, -1.5, 1.8], [1.7, 1.5, 2.2]],
+                    [[-0.6, 0.5, 1.9], [-0.1, 1.5, 2.4]]])
+TEXEL_M, TEXTURE_SIZE = 0.007, 1024
+NOISE = 1.5  # grey levels
+DEFAULT_FRAMES = 150
+
+
+def make_texture(generator):
+    texture = np.full((TEXTURE_SIZE, TEXTURE_SIZE), 128.0, np.float32)
+    for size in (300, 120, 60, 30):
+        for _ in range(int(0.8 * (TEXTURE_SIZE / size) ** 2)):
+            width, height = generator.integers(size // 4, size, 2)
+            x, y = generator.integers(0, TEXTURE_SIZE, 2)
+            texture[y:y + height, x:x + width] = generator.uniform(30, 225)
+    texture += generator.normal(0, 12, texture.shape)  # no two corners are alike
+    for axis in (0, 1):  # edges as soft as a pixel sees them
+        texture = (np.roll(texture, 1, axis) + 2 * texture + np.roll(texture, -1, axis)) / 4
+    return texture
+
+
+def sample(texture, u, v):
+    """Bilinear, with wrap-around; u, v in texels."""
+    left, top = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
+    right_share, bottom_share = u - left, v - top
+    left, right = left % TEXTURE_SIZE, (left + 1) % TEXTURE_SIZE
+    top, bottom = top % TEXTURE_SIZE, (top + 1) % TEXTURE_SIZE
+    upper = texture[top, left] * (1 - right_share) + texture[top, right] * right_share
+    lower = texture[bottom, left] * (1 - right_share) + texture[bottom, right] * right_share
+    return upper * (1 - bottom_share) + lower * bottom_share
+
+
+def camera_pose(frame):
+    """Position and rotation world_from_cam: sways from side to side, nods and turns a little."""
+    t = frame / FPS
+    position = np.array([-1.0 + 0.45 * t, 0.15 * np.sin(1.9 * t), -2.0 + 0.25 * np.sin(1.3 * t)])
+    yaw, pitch = 0.10 * np.sin(1.1 * t), 0.05 * np.sin(1.7 * t)
+    turn_y = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
+    turn_x = np.array([[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)],
+                       [0, np.sin(pitch), np.cos(pitch)]])
+    quaternion = np.array([np.sin(pitch / 2) * np.cos(yaw / 2), np.cos(pitch / 2) * np.sin(yaw / 2),
+                           -np.sin(pitch / 2) * np.sin(yaw / 2),
+                           np.cos(pitch / 2) * np.cos(yaw / 2)])  # x y z w of turn_y * turn_x
+    return position, turn_y @ turn_x, quaternion
+
+
+def pixel_rays():
+    x, y = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
+    return np.stack([(x - (WIDTH - 1) / 2) / FOCAL_PX, (y - (HEIGHT - 1) / 2) / FOCAL_PX,
+                     np.ones_like(x)], axis=-1).reshape(-1, 3).astype(np.float32)
+
+
+def render(frame, rays_in_cam, texture, generator):
+    position, rotation, _ = camera_pose(frame)
+    rays = rays_in_cam @ rotation.T.astype(np.float32)
+    rays[np.abs(rays) < 1e-9] = 1e-9
+
+    def cuts(box):
+        """Distances at which each ray enters and leaves the box, and the axes of those faces."""
+        first, second = (box[0] - position) / rays, (box[1] - position) / rays
+        near, far = np.minimum(first, second), np.maximum(first, second)
+        return near.max(axis=1), near.argmax(axis=1), far.min(axis=1), far.argmin(axis=1)
+
+    _, _, distance, axis = cuts(ROOM)
+    surface = np.zeros(len(rays), np.int32)
+    for number, box in enumerate(PILLARS, start=1):
+        enter, enter_axis, leave, _ = cuts(box)
+        hit = (enter < leave) & (enter > 0) & (enter < distance)
+        distance = np.where(hit, enter, distance)
+        axis = np.where(hit, enter_axis, axis)
+        surface[hit] = number
+    points = position + distance[:, None] * rays
+    along_u = np.where(axis == 0, points[:, 2], points[:, 0])
+    along_v = np.where(axis == 1, points[:, 2], points[:, 1])
+    across = np.take_along_axis(rays, axis[:, None], axis=1)[:, 0] > 0
+    face = 6 * surface + 2 * axis + across
+    grey = sample(texture, along_u / TEXEL_M + 331 * face, along_v / TEXEL_M + 197 * face)
+    grey *= np.choose(axis, [0.85, 0.7, 1.0])  # light from the front
+    grey += generator.normal(0, NOISE, len(grey))
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8).reshape(HEIGHT, WIDTH)
+
+
+def make_sequence(folder, frames):
+    folder = pathlib.Path(folder)
+    (folder / "rgb").mkdir(parents=True, exist_ok=True)
+    generator = np.random.default_rng(20240101)
+    texture, rays = make_texture(generator), pixel_rays()
+    listing, truth = [], []
+    for frame in range(frames):
+        stamp = f"{1000 + frame / FPS:.6f}"
+        image = render(frame, rays, texture, generator)
+        name = f"rgb/{stamp}.pgm"
+        (folder / name).write_bytes(b"P5\n%d %d\n255\n" % (WIDTH, HEIGHT) + image.tobytes())
+        position, _, quaternion = camera_pose(frame)
+        listing.append(f"{stamp} {name}")
+        truth.append(" ".join([stamp] + [f"{value:.9f}" for value in (*position, *quaternion)]))
+    (folder / "groundtruth.txt").write_text("\n".join(truth) + "\n")
+    (folder / "camera.yaml").write_text(
+        f"width: {WIDTH}\nheight: {HEIGHT}\nfps: {FPS}\nfx: {FOCAL_PX}\nfy: {FOCAL_PX}\n"
+        f"cx: {(WIDTH - 1) / 2}\ncy: {(HEIGHT - 1) / 2}\n")
+    (folder / "rgb.txt").write_text("\n".join(listing) + "\n")  # last: it marks a whole sequence
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder")
+    parser.add_argument("--frames", type=int, default=DEFAULT_FRAMES)
+    arguments = parser.parse_args()
+    make_sequence(arguments.folder, arguments.frames)
