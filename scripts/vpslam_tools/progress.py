@@ -16,12 +16,13 @@ class Progress:
         self._last_printed = -QUIET_S
 
     def show(self, json_line):
+        """Returns whether frames come through."""
         try:
             line = describe(json.loads(json_line))
         except (ValueError, KeyError, TypeError, AttributeError):
-            return  # not a progress line; nothing hangs on it
+            return False  # not a progress line; nothing hangs on it
         if line is None:
-            return
+            return False
         if self._on_terminal:
             width = shutil.get_terminal_size().columns - 1
             print("\r\033[K" + line[:width], end="", file=self._stream, flush=True)
@@ -29,6 +30,7 @@ class Progress:
         elif time.monotonic() >= self._last_printed + QUIET_S:
             print(line, file=self._stream, flush=True)
             self._last_printed = time.monotonic()
+        return True
 
     def tell(self, text):
         """Another line, in between."""

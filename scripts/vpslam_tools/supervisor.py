@@ -14,6 +14,7 @@ import time
 
 DRAIN_S = 120.0      # from the player's end to the last process's
 INTERRUPT_S = 30.0   # from Ctrl-C to the player's end
+CASCADE_S = 20.0     # from the end of a player that failed to the last process's
 OUT_OF_TURN_S = 5.0  # a process that ended, before the one upstream of it
 TERMINATE_S = 5.0    # from SIGTERM to SIGKILL
 RECORDER_S = 30.0    # the same for the recorder, which still writes the results
@@ -64,13 +65,15 @@ class Child:
 
 class Supervisor:
     """`order`: names from the source downstream; the first ends by itself, the last writes the
-    results. `on_output` gets each line that the last one prints."""
+    results. `on_output` gets each line that the last one prints, and returns true once frames
+    come through."""
 
     def __init__(self, order, on_output):
         self.order, self.on_output = order, on_output
         self.children = {}
         self.interrupts = 0
         self.faults = {}  # name of the process: what is wrong with it
+        self._frames_come = False
         self._selector = selectors.DefaultSelector()
         self._unfinished_line = b""
         self._wakeup, writing = os.pipe()
@@ -108,6 +111,11 @@ class Supervisor:
                 self.faults[self._running()[0].name] = "did not end in time"
                 break
             self._wait(TICK_S)
+        if self._frames_come and (player.popen.returncode or 0) > 0:
+            # A source that broke down half-way still ended its stream: let it be worked off.
+            deadline = player.ended_at + CASCADE_S
+            while self._running() and time.monotonic() < deadline and self.interrupts < 2:
+                self._wait(TICK_S)
         self.stop()
 
     def stop(self):
@@ -176,4 +184,4 @@ class Supervisor:
         lines = (self._unfinished_line + data).split(b"\n")
         self._unfinished_line = lines.pop()
         for line in lines:
-            self.on_output(line.decode(errors="replace"))
+            self._frames_come |= self.on_output(line.decode(errors="replace"))

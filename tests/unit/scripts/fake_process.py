@@ -3,7 +3,8 @@
 
 Each waits for a file that the one upstream leaves in its working directory when it ends. The
 environment variable FAKE_<NAME> makes one misbehave: "fail" (after it printed a line), "hang"
-(ignores SIGTERM and never ends), "early" (ends well, before its turn).
+(ignores SIGTERM and never ends), "early" (ends well, before its turn), "break" (player: ends its
+stream, but fails).
 """
 
 import os
@@ -50,7 +51,9 @@ while MISBEHAVIOUR == "hang" or not stopped:
 if NAME == "player":
     os.unlink(f"/dev/shm/vpslam-{int(option('--session')):x}")
 if NAME == "recorder":
+    print(f"ends {'when stopped' if stopped else 'by itself'}", file=sys.stderr)
     out = pathlib.Path(option("--out"))
     (out / "trajectory.txt").write_text("0.0 0 0 0 0 0 0 1\n0.1 2 0 0 0 0 0 1\n0.2 2 2 0 0 0 0 1\n")
     (out / "summary.json").write_text('{"frames": {"in": 4, "tracked": 3, "dropped": 0}}')
 pathlib.Path(NAME + ".done").touch()
+sys.exit(4 if MISBEHAVIOUR == "break" else 0)

@@ -183,6 +183,14 @@ class FailingProcess(LauncherTest):
                 for done in self.folder.glob("*.done"):
                     done.unlink()
 
+    def test_source_that_breaks_down_is_worked_off(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out",
+                                                FAKE_PLAYER="break"))
+        self.assertEqual(status, 1)
+        self.assertIn("player failed with exit code 4", output)
+        self.assertIn("by itself", (self.folder / "out" / "logs" / "recorder.log").read_text())
+        self.assert_nothing_left()
+
     def test_process_that_ends_too_early(self):
         status, output = self.finish(self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
                                                 FAKE_BACKEND="early",
