@@ -14,14 +14,14 @@ import pathlib
 import numpy as np
 
 WIDTH, HEIGHT, FOCAL_PX, FPS = 640, 480, 525.0, 30
-ROOM = np.array([[-3.0, -1.5, -3.0], [3.0, 1.5, 3.0]])  # metres; x right, y down, z forward
+ROOM = np.array([[-3, -1.5, -3], [3, 1.5, 3]], np.float32)  # metres; x right, y down, z forward
 PILLARS = np.array([[[-1.6, -1.5, 1.2], [-1.1, 1.5, 1.7]],
                     [[0.2, 0.2, 0.6], [0.8, 1.5, 1.2]],
                     [[1.3, -1.5, 1.8], [1.7, 1.5, 2.2]],
-                    [[-0.6, 0.5, 1.9], [-0.1, 1.5, 2.4]]])
+                    [[-0.6, 0.5, 1.9], [-0.1, 1.5, 2.4]]], np.float32)
 TEXEL_M, TEXTURE_SIZE = 0.007, 1024
 NOISE = 1.5  # grey levels
-DEFAULT_FRAMES = 150
+DEFAULT_FRAMES = 120
 
 
 def make_texture(generator):
@@ -31,7 +31,7 @@ def make_texture(generator):
             width, height = generator.integers(size // 4, size, 2)
             x, y = generator.integers(0, TEXTURE_SIZE, 2)
             texture[y:y + height, x:x + width] = generator.uniform(30, 225)
-    texture += generator.normal(0, 12, texture.shape)  # no two corners are alike
+    texture += 12 * generator.standard_normal(texture.shape, np.float32)  # no two corners are alike
     for axis in (0, 1):  # edges as soft as a pixel sees them
         texture = (np.roll(texture, 1, axis) + 2 * texture + np.roll(texture, -1, axis)) / 4
     return texture
@@ -39,8 +39,9 @@ def make_texture(generator):
 
 def sample(texture, u, v):
     """Bilinear, with wrap-around; u, v in texels."""
-    left, top = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
+    left, top = np.floor(u), np.floor(v)
     right_share, bottom_share = u - left, v - top
+    left, top = left.astype(np.int32), top.astype(np.int32)
     left, right = left % TEXTURE_SIZE, (left + 1) % TEXTURE_SIZE
     top, bottom = top % TEXTURE_SIZE, (top + 1) % TEXTURE_SIZE
     upper = texture[top, left] * (1 - right_share) + texture[top, right] * right_share
@@ -65,36 +66,36 @@ def camera_pose(frame):
 def pixel_rays():
     x, y = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
     return np.stack([(x - (WIDTH - 1) / 2) / FOCAL_PX, (y - (HEIGHT - 1) / 2) / FOCAL_PX,
-                     np.ones_like(x)], axis=-1).reshape(-1, 3).astype(np.float32)
+                     np.ones_like(x)]).reshape(3, -1).astype(np.float32)
 
 
 def render(frame, rays_in_cam, texture, generator):
-    position, rotation, _ = camera_pose(frame)
-    rays = rays_in_cam @ rotation.T.astype(np.float32)
+    position, rotation, _ = (part.astype(np.float32) for part in camera_pose(frame))
+    rays = rotation @ rays_in_cam
     rays[np.abs(rays) < 1e-9] = 1e-9
 
     def cuts(box):
         """Distances at which each ray enters and leaves the box, and the axes of those faces."""
-        first, second = (box[0] - position) / rays, (box[1] - position) / rays
+        first, second = ((corner - position)[:, None] / rays for corner in box)
         near, far = np.minimum(first, second), np.maximum(first, second)
-        return near.max(axis=1), near.argmax(axis=1), far.min(axis=1), far.argmin(axis=1)
+        return near.max(axis=0), near.argmax(axis=0), far.min(axis=0), far.argmin(axis=0)
 
     _, _, distance, axis = cuts(ROOM)
-    surface = np.zeros(len(rays), np.int32)
+    surface = np.zeros(len(distance), np.int32)
     for number, box in enumerate(PILLARS, start=1):
         enter, enter_axis, leave, _ = cuts(box)
         hit = (enter < leave) & (enter > 0) & (enter < distance)
         distance = np.where(hit, enter, distance)
         axis = np.where(hit, enter_axis, axis)
         surface[hit] = number
-    points = position + distance[:, None] * rays
-    along_u = np.where(axis == 0, points[:, 2], points[:, 0])
-    along_v = np.where(axis == 1, points[:, 2], points[:, 1])
-    across = np.take_along_axis(rays, axis[:, None], axis=1)[:, 0] > 0
+    x, y, z = position[:, None] + distance * rays
+    along_u, along_v = np.where(axis == 0, z, x), np.where(axis == 1, z, y)
+    across = np.choose(axis, rays) > 0
     face = 6 * surface + 2 * axis + across
-    grey = sample(texture, along_u / TEXEL_M + 331 * face, along_v / TEXEL_M + 197 * face)
-    grey *= np.choose(axis, [0.85, 0.7, 1.0])  # light from the front
-    grey += generator.normal(0, NOISE, len(grey))
+    grey = sample(texture, along_u / np.float32(TEXEL_M) + 331 * face.astype(np.float32),
+                  along_v / np.float32(TEXEL_M) + 197 * face.astype(np.float32))
+    grey *= np.array([0.85, 0.7, 1.0], np.float32)[axis]  # light from the front
+    grey += NOISE * generator.standard_normal(len(grey), np.float32)
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8).reshape(HEIGHT, WIDTH)
 
 
