@@ -86,16 +86,16 @@ def clean_up(run):
     deadline = time.monotonic() + DEATH_S
     while any(map(is_alive, run["processes"].values())) and time.monotonic() < deadline:
         time.sleep(0.01)
-    unlink_segments(run["session"])
+    unlink_segment(run["session"])
     path_of(run["session"]).unlink(missing_ok=True)
 
 
-def unlink_segments(session):
-    for segment in SHARED_MEMORY.glob(f"vpslam-{session}*"):
-        try:
-            segment.unlink()
-        except (FileNotFoundError, PermissionError):
-            pass
+def unlink_segment(session):
+    """The player names its segment after its session; it unlinks it itself unless it was killed."""
+    try:
+        (SHARED_MEMORY / f"vpslam-{session}").unlink()
+    except (FileNotFoundError, PermissionError):
+        pass
 
 
 def sweep():

@@ -40,6 +40,8 @@ def add_parser(commands):
     parser.add_argument("--out", metavar="DIR",
                         help="results folder; default: results/DATE-SEQUENCE")
     parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
+    parser.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[],
+                        help="one setting, over those of the file; may be repeated")
     parser.add_argument("--pace", choices=["lockstep"], default="lockstep",
                         help="lockstep (default): nothing is dropped, results repeat exactly")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
@@ -50,7 +52,8 @@ def add_parser(commands):
                         help="points (default): point features only")
     parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
     parser.add_argument("--session", type=at_least(1), metavar="N",
-                        help="id of the run in its messages; default: a random one")
+                        help="id of the run, in the player's messages and the name of its shared "
+                        "memory; default: a random one")
     parser.set_defaults(function=run)
 
 
@@ -69,9 +72,8 @@ def run(args):
         raise UserError(f"{out}: cannot be made ({error.strerror}); name another folder with --out"
                         ) from None
     (out / "summary.json").unlink(missing_ok=True)  # of an earlier run: it marks complete results
-    # A session of full length, so that its hexadecimal form has no leading zeros to agree on.
-    session = args.session or random.SystemRandom().randrange(1 << 60, 1 << 62)
-    run_record = {"session": f"{session:x}", "url": url, "sequence": args.sequence,
+    session = str(args.session or random.SystemRandom().randrange(1, 1 << 62))
+    run_record = {"session": session, "url": url, "sequence": args.sequence,
                   "out": str(out), "started": datetime.datetime.now().isoformat("T", "seconds"),
                   "launcher": registry.identify(os.getpid()), "processes": {}}
     commands = processes.command_lines(args, url, session, out)

@@ -28,7 +28,7 @@ for number in (signal.SIGINT, signal.SIGTERM):
 print(f"fake {NAME} begins", file=sys.stderr, flush=True)
 
 if NAME == "player":
-    pathlib.Path(f"/dev/shm/vpslam-{int(option('--session')):x}").write_text("pixels")
+    pathlib.Path(f"/dev/shm/vpslam-{option('--session')}").write_text("pixels")
 if MISBEHAVIOUR == "fail":
     print("cannot read the stars; clean the lens", file=sys.stderr, flush=True)
     sys.exit(3)
@@ -49,7 +49,7 @@ while MISBEHAVIOUR == "hang" or not stopped:
     time.sleep(0.02)
 
 if NAME == "player":
-    os.unlink(f"/dev/shm/vpslam-{int(option('--session')):x}")
+    os.unlink(f"/dev/shm/vpslam-{option('--session')}")
 if NAME == "recorder":
     print(f"ends {'when stopped' if stopped else 'by itself'}", file=sys.stderr)
     out = pathlib.Path(option("--out"))

@@ -120,7 +120,7 @@ class GoodRun(LauncherTest):
         self.assertEqual(run["launcher"]["pid"], process.pid)
         command = pathlib.Path(f"/proc/{run['processes']['player']['pid']}/cmdline").read_text()
         self.assertIn(run["url"], command)
-        self.assertIn(str(int(run["session"], 16)), command)
+        self.assertIn("--session\0" + run["session"], command)
         process.send_signal(signal.SIGTERM)
         self.assertEqual(self.finish(process)[0], 0)
         self.assert_nothing_left()
@@ -221,7 +221,7 @@ class Leftovers(LauncherTest):
     def test_next_run_sweeps(self):
         runtime = self.folder / "runtime" / "vpslam"
         runtime.mkdir(mode=0o700)
-        session = f"{uuid.uuid4().int & (1 << 60) - 1:x}"
+        session = str(uuid.uuid4().int & (1 << 60) - 1)
         segment = pathlib.Path(f"/dev/shm/vpslam-{session}")
         segment.write_text("pixels")
         # The launcher's id is that of a living process, but not its start: another process now.
