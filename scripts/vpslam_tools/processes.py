@@ -27,7 +27,7 @@ def command_lines(options, url, session, out):
     common = ["--url", url, "--require", ",".join(GRAPH[1:])] + given("pace")
     settings = [word for setting in options.set for word in ("--set", setting)]
     told = {name: getattr(options, name) for name in TOLD_OPTIONS
-            if getattr(options, name) is not None}
+            if getattr(options, name) not in (None, [])}
     arguments = {
         "player": [options.sequence, "--session", session] + given("camera", "start", "frames"),
         "frontend": given("config", "seed") + settings,

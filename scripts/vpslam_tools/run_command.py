@@ -131,10 +131,10 @@ def conclude(supervisor, args, out, progress):
         progress.tell(f"{name} {fault}; {log} ends:")
         lines = log.read_text(errors="replace").splitlines()
         progress.tell("\n".join("  " + line for line in lines[-LOG_LINES_TOLD:]) or "  (empty)")
-    if (out / "summary.json").exists():
+    if supervisor.frames_came and (out / "summary.json").exists():
         progress.tell(describe_results(args, out))
     elif not supervisor.faults:
-        progress.tell("no results were written")
+        progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
     if supervisor.faults:
         return 1
     return INTERRUPTED if supervisor.interrupts >= 2 else 0

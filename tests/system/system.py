@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import random
 import shutil
 import subprocess
 import tempfile
@@ -35,10 +36,6 @@ def private_network():
     return prefix if allowed else []
 
 
-def segments():
-    return set(pathlib.Path("/dev/shm").glob("vpslam-*"))
-
-
 class SystemTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -49,8 +46,11 @@ class SystemTest(unittest.TestCase):
 
     def setUp(self):
         self.tag = uuid.uuid4().hex
+        self.sessions = []  # of the runs that this test starts
 
     def start(self, *arguments, **environment):
+        self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
+        arguments += ("--session", self.sessions[-1])
         return subprocess.Popen(
             self.network + [VPSLAM, "run", *map(str, arguments)], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -104,10 +104,6 @@ class SystemTest(unittest.TestCase):
         self.assertEqual(left, [], "processes are left")
         runtime = self.folder / "runtime" / "vpslam"
         self.assertEqual(list(runtime.glob("*")), [], "a run is still registered")
-        # Of this test alone: other runs on this host have segments of their own.
-        self.assertFalse([path for path in segments() if self.is_ours(path)], "segments are left")
-
-    def is_ours(self, segment):
-        return any(segment.name.startswith(f"vpslam-{session}") for session in self.sessions)
-
-    sessions = ()
+        for session in self.sessions:
+            self.assertFalse(pathlib.Path(f"/dev/shm/vpslam-{session}").exists(),
+                             "shared memory is left")
