@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import random
+import re
 
 from vpslam_tools import install_build, multicast, processes, registry
 from vpslam_tools.errors import UserError
@@ -91,6 +92,9 @@ def check_input(args):
         path = getattr(args, option)
         if path and not pathlib.Path(path).is_file():
             raise UserError(f"{path}: no such file; check --{option}")
+    for setting in args.set:
+        if not re.match(r"(frontend|backend)\.[\w.]+=.", setting):
+            raise UserError(f"--set {setting}: write it as frontend.KEY=VALUE or backend.KEY=VALUE")
 
 
 def default_out(sequence):
@@ -131,8 +135,10 @@ def conclude(supervisor, args, out, progress):
         progress.tell(f"{name} {fault}; {log} ends:")
         lines = log.read_text(errors="replace").splitlines()
         progress.tell("\n".join("  " + line for line in lines[-LOG_LINES_TOLD:]) or "  (empty)")
-    if supervisor.frames_came and (out / "summary.json").exists():
-        progress.tell(describe_results(args, out))
+    summary = out / "summary.json"
+    frames = json.loads(summary.read_text())["frames"] if summary.exists() else {"in": 0}
+    if frames["in"] > 0:
+        progress.tell(describe_results(args, out, frames))
     elif not supervisor.faults:
         progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
     if supervisor.faults:
@@ -140,8 +146,7 @@ def conclude(supervisor, args, out, progress):
     return INTERRUPTED if supervisor.interrupts >= 2 else 0
 
 
-def describe_results(args, out):
-    frames = json.loads((out / "summary.json").read_text())["frames"]
+def describe_results(args, out, frames):
     lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
     truth = pathlib.Path(args.sequence, "groundtruth.txt")
     estimate = out / "trajectory.txt"
@@ -151,7 +156,7 @@ def describe_results(args, out):
             lines.append(f"ATE      {ate:.4f} m (rmse after sim3 alignment)")
         except UserError as error:
             lines.append(f"ATE      none: {error}")
-    if estimate.exists() and frames["in"]:
+    if estimate.exists():
         poses = sum(1 for line in open(estimate) if line.strip() and not line.startswith("#"))
         lines.append(f"coverage {poses / frames['in']:.4f} ({poses} poses)")
     return "\n".join(lines + [f"results  {out}"])

@@ -73,7 +73,7 @@ class Supervisor:
         self.children = {}
         self.interrupts = 0
         self.faults = {}  # name of the process: what is wrong with it
-        self.frames_came = False
+        self._frames_come = False
         self._selector = selectors.DefaultSelector()
         self._unfinished_line = b""
         self._wakeup, writing = os.pipe()
@@ -98,8 +98,7 @@ class Supervisor:
         return child.popen.pid
 
     def run(self):
-        """Returns when no process is left; `faults`, `interrupts` and `frames_came` say how it
-        went."""
+        """Returns when no process is left; `faults` and `interrupts` say how it went."""
         player = self.children[self.order[0]]
         told, deadline = False, None
         while self._running() and not self._find_faults() and self.interrupts < 2:
@@ -112,7 +111,7 @@ class Supervisor:
                 self.faults[self._running()[0].name] = "did not end in time"
                 break
             self._wait(TICK_S)
-        if self.frames_came and (player.popen.returncode or 0) > 0:
+        if self._frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S
             while self._running() and time.monotonic() < deadline and self.interrupts < 2:
@@ -185,4 +184,4 @@ class Supervisor:
         lines = (self._unfinished_line + data).split(b"\n")
         self._unfinished_line = lines.pop()
         for line in lines:
-            self.frames_came |= self.on_output(line.decode(errors="replace"))
+            self._frames_come |= self.on_output(line.decode(errors="replace"))

@@ -243,6 +243,7 @@ class BadInput(LauncherTest):
                 (["nowhere"], "nowhere: no such folder"),
                 (["room", "--camera", "none.yaml"], "none.yaml: no such file; check --camera"),
                 (["room", "--config", "none.yaml"], "none.yaml: no such file; check --config"),
+                (["room", "--set", "orb.levels=3"], "--set orb.levels=3: write it as"),
                 (["room", "--out", "file"], "file: cannot be made")):
             with self.subTest(arguments):
                 status, output = self.finish(self.start("run", *arguments))
