@@ -65,6 +65,8 @@ class Run(system.SystemTest):
         with open(self.out / "keyframes.csv", newline="") as table:
             rows = list(csv.DictReader(table))
         self.assertGreaterEqual(len(rows), 5)
+        for row in rows:
+            self.assertAlmostEqual(float(row["timestamp"]), 1000 + int(row["frame"]) / 30, places=5)
         for column in ("insertion_ms", "feature_culling_ms", "feature_creation_ms",
                        "keyframe_culling_ms", "local_ba_ms", "total_ms"):
             self.assertTrue(any(row[column] for row in rows), column)
