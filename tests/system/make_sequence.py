@@ -10,6 +10,7 @@ texture of random rectangles.
 
 import argparse
 import pathlib
+import sys
 
 import numpy as np
 
@@ -125,4 +126,7 @@ if __name__ == "__main__":
     parser.add_argument("folder")
     parser.add_argument("--frames", type=int, default=DEFAULT_FRAMES)
     arguments = parser.parse_args()
+    listing = pathlib.Path(arguments.folder, "rgb.txt")
+    if listing.exists() and listing.stat().st_mtime > pathlib.Path(__file__).stat().st_mtime:
+        sys.exit(0)  # rendered before, by this very file
     make_sequence(arguments.folder, arguments.frames)
