@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Renders a short sequence in TUM's layout: a walk along a textured room with a few pillars.
 
-    make_sequence.py FOLDER [--frames N]
+    make_sequence.py FOLDER
 
 Everything is deterministic. Surfaces are axis-aligned boxes: the room seen from inside, the pillars
 from outside; each ray is cut with their slabs, and each face looks into a part of its own of one
@@ -22,7 +22,7 @@ PILLARS = np.array([[[-1.6, -1.5, 1.2], [-1.1, 1.5, 1.7]],
                     [[-0.6, 0.5, 1.9], [-0.1, 1.5, 2.4]]], np.float32)
 TEXEL_M, TEXTURE_SIZE = 0.007, 1024
 NOISE = 1.5  # grey levels
-DEFAULT_FRAMES = 120
+FRAMES = 120
 
 
 def make_texture(generator):
@@ -100,13 +100,13 @@ def render(frame, rays_in_cam, texture, generator):
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8).reshape(HEIGHT, WIDTH)
 
 
-def make_sequence(folder, frames):
+def make_sequence(folder):
     folder = pathlib.Path(folder)
     (folder / "rgb").mkdir(parents=True, exist_ok=True)
     generator = np.random.default_rng(20240101)
     texture, rays = make_texture(generator), pixel_rays()
     listing, truth = [], []
-    for frame in range(frames):
+    for frame in range(FRAMES):
         stamp = f"{1000 + frame / FPS:.6f}"
         image = render(frame, rays, texture, generator)
         name = f"rgb/{stamp}.pgm"
@@ -124,9 +124,8 @@ def make_sequence(folder, frames):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder")
-    parser.add_argument("--frames", type=int, default=DEFAULT_FRAMES)
     arguments = parser.parse_args()
     listing = pathlib.Path(arguments.folder, "rgb.txt")
     if listing.exists() and listing.stat().st_mtime > pathlib.Path(__file__).stat().st_mtime:
         sys.exit(0)  # rendered before, by this very file
-    make_sequence(arguments.folder, arguments.frames)
+    make_sequence(arguments.folder)
