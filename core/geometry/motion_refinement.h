@@ -16,9 +16,6 @@ struct MotionRefinementOptions {
   double max_chi2 = 3.841;
 };
 
-/// A few steps, to improve a hypothesis.
-constexpr MotionRefinementOptions kLocalRefinement{.max_iterations = 4};
-
 struct MotionRefinement {
   /// Sum of min(chi2, max_chi2) over all matches.
   double cost = 0;
@@ -33,5 +30,10 @@ struct MotionRefinement {
 /// 11.4.3), without the points as unknowns. Leaves |t| = 1.
 MotionRefinement RefineMotion(std::span<const RayMatch> matches,
                               const MotionRefinementOptions& options, SE3* second_from_first);
+
+/// The same from a rough start: first with three times the max_chi2, so that the minimum next to a
+/// start which excludes many true matches does not catch it. Up to max_iterations for each.
+MotionRefinement RefineMotionFromAfar(std::span<const RayMatch> matches, int max_iterations,
+                                      SE3* second_from_first);
 
 }  // namespace vpslam

@@ -30,25 +30,13 @@ double MedianDisplacement(std::span<const RayMatch> matches) {
   return *middle;
 }
 
-int CountPoints(std::span<const RayMatch> matches, const SE3& motion,
-                const TwoViewOptions& options) {
-  const Eigen::Matrix3d essential = EssentialFromMotion(motion);
-  int count = 0;
-  for (const RayMatch& match : matches) {
-    double parallax_rad;
-    count += SampsonChi2(essential, match) < kChi2Dof1 &&
-             TriangulateTwoView(motion, match, &parallax_rad) &&
-             parallax_rad >= options.min_point_parallax_rad;
-  }
-  return count;
-}
-
 /// Everything that follows from the motion.
 void Reconstruct(std::span<const RayMatch> matches, const TwoViewOptions& options,
                  TwoViewCandidate* candidate) {
   const SE3& motion = candidate->second_from_first;
   const Eigen::Matrix3d essential = EssentialFromMotion(motion);
   const Eigen::Matrix3d rotation = motion.RotationMatrix();
+  candidate->num_inliers = 0;
   candidate->inlier.assign(matches.size(), false);
   candidate->point.assign(matches.size(), std::nullopt);
   std::vector<double> parallaxes_rad;
@@ -72,48 +60,58 @@ void Reconstruct(std::span<const RayMatch> matches, const TwoViewOptions& option
       parallaxes_rad[std::min<size_t>(options.min_points, parallaxes_rad.size()) - 1];
 }
 
-bool SameMotion(const SE3& a, const SE3& b) {
-  // Different minima are degrees apart; two ways to the same one end much closer.
-  constexpr double kSameRotation_rad = 1e-3, kSameDirection = 1e-2;
-  return AngleBetween_rad(a.rotation, b.rotation) < kSameRotation_rad &&
-         (a.translation - b.translation).norm() < kSameDirection;
+/// Whether a and b differ by no more than what the matches leave open.
+bool SameMotion(const TwoViewCandidate& a, const TwoViewCandidate& b) {
+  // Rival interpretations of a scene are mostly tens of degrees apart.
+  constexpr double kSameRotation_rad = 0.03, kSameDirection_rad = 0.05, kSigmas = 4;
+  const Eigen::Vector3d &ta = a.second_from_first.translation,
+                        &tb = b.second_from_first.translation;
+  const double direction_rad = std::atan2(ta.cross(tb).norm(), ta.dot(tb));
+  const double sigma_rad = std::max(a.direction_sigma_rad, b.direction_sigma_rad);
+  return AngleBetween_rad(a.second_from_first.rotation, b.second_from_first.rotation) <
+             kSameRotation_rad &&
+         direction_rad < std::max(kSameDirection_rad, std::min(kSigmas * sigma_rad, 0.5));
 }
 
-/// Refined motions that are alive as far as the number of their points goes, best first.
+/// The motions between which the matches cannot decide, refined; best first.
 std::vector<TwoViewCandidate> Compete(std::span<const RayMatch> matches,
-                                      const std::vector<TwoViewCandidate>& proposals,
+                                      std::vector<TwoViewCandidate> candidates, bool scene_is_plane,
                                       const TwoViewOptions& options) {
-  std::vector<int> counts;
-  int most = 0;
-  for (const TwoViewCandidate& proposal : proposals) {
-    counts.push_back(CountPoints(matches, proposal.second_from_first, options));
-    most = std::max(most, counts.back());
-  }
-  std::vector<TwoViewCandidate> refined;
-  for (size_t i = 0; i < proposals.size(); ++i) {
-    // Half of what it takes to be alive: refinement may bring some more.
-    if (counts[i] == 0 || counts[i] < 0.5 * options.min_rival_points * most) continue;
-    TwoViewCandidate candidate = proposals[i];
-    MotionRefinementOptions refinement;
-    refinement.max_chi2 = kChi2Dof1;
-    const MotionRefinement result = RefineMotion(matches, refinement, &candidate.second_from_first);
-    const bool known = std::any_of(refined.begin(), refined.end(), [&](const auto& other) {
-      return SameMotion(other.second_from_first, candidate.second_from_first);
+  const auto keep_those_with_inliers = [&candidates](double share) {
+    int most = 0;
+    for (const TwoViewCandidate& c : candidates) most = std::max(most, c.num_inliers);
+    std::erase_if(candidates, [&](const TwoViewCandidate& c) {
+      return c.num_inliers == 0 || c.num_inliers < share * most;
     });
-    if (known) continue;
-    candidate.cost = result.cost;
-    candidate.direction_sigma_rad = result.direction_sigma_rad;
-    Reconstruct(matches, options, &candidate);
-    refined.push_back(std::move(candidate));
+  };
+  for (TwoViewCandidate& c : candidates) Reconstruct(matches, options, &c);
+  // Half of what it takes to stay: refinement may bring some more.
+  keep_those_with_inliers(0.5 * options.min_rival_inliers);
+  for (TwoViewCandidate& c : candidates) {
+    // A plane constrains the motion better than the epipolar errors do alone: evaluate only.
+    const MotionRefinement refined =
+        scene_is_plane ? RefineMotion(matches, {.max_iterations = 0}, &c.second_from_first)
+                       : RefineMotionFromAfar(matches, 15, &c.second_from_first);
+    c.cost = refined.cost;
+    c.direction_sigma_rad = refined.direction_sigma_rad;
+    Reconstruct(matches, options, &c);
   }
-  most = 0;
-  for (const TwoViewCandidate& candidate : refined) most = std::max(most, candidate.num_points);
-  std::erase_if(refined, [&](const TwoViewCandidate& candidate) {
-    return candidate.num_points < options.min_rival_points * most;
-  });
-  std::stable_sort(refined.begin(), refined.end(),
+  keep_those_with_inliers(options.min_rival_inliers);
+  std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  return refined;
+  std::vector<TwoViewCandidate> alive;
+  for (TwoViewCandidate& c : candidates) {
+    // Two motions that both explain n matches measure different components of the same noise, so
+    // that their sums of n chi-squares differ by 2 sqrt(n) (one sigma) for no reason.
+    if (!alive.empty() && c.cost > alive.front().cost + options.max_rival_sigmas * 2 *
+                                                            std::sqrt(alive.front().num_inliers)) {
+      break;
+    }
+    const bool known = std::any_of(alive.begin(), alive.end(),
+                                   [&](const auto& other) { return SameMotion(other, c); });
+    if (!known) alive.push_back(std::move(c));
+  }
+  return alive;
 }
 
 }  // namespace
@@ -142,8 +140,8 @@ std::optional<std::string> TwoViewOptions::Validate() const {
   if (!(min_parallax_rad > 0 && min_point_parallax_rad > 0)) return "parallaxes must be positive";
   if (!(min_displacement >= 0)) return "min_displacement must not be negative";
   if (!(max_direction_sigma_rad > 0)) return "max_direction_sigma_rad must be positive";
-  if (!(max_rival_cost >= 0)) return "max_rival_cost must not be negative";
-  for (const double share : {max_rotation_share, min_rival_points, homography_share}) {
+  if (!(max_rival_sigmas >= 0)) return "max_rival_sigmas must not be negative";
+  for (const double share : {max_rotation_share, min_rival_inliers, homography_share}) {
     if (!(share > 0 && share <= 1)) return "shares must lie in 0 to 1";
   }
   return ransac.Validate();
@@ -179,43 +177,44 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
   if (homography.score > options.homography_share * (homography.score + essential.score)) {
     result.model = TwoViewModel::kHomography;
   }
+  const bool scene_is_plane = result.model == TwoViewModel::kHomography;
   std::vector<TwoViewCandidate> proposals;
-  const auto propose = [&proposals](const SE3& motion, TwoViewModel model) {
+  const auto propose = [&](const SE3& motion, TwoViewModel model) {
     TwoViewCandidate proposal;
     proposal.second_from_first = motion;
     proposal.proposed_by = model;
     proposals.push_back(std::move(proposal));
   };
-  if (essential.score > 0) {
+  if (scene_is_plane) {
+    for (const SE3& motion : DecomposeHomography(homography.homography)) {
+      propose(motion, TwoViewModel::kHomography);
+    }
+  } else if (essential.score > 0) {
     for (const SE3& motion : DecomposeEssential(EssentialFromMotion(essential.motion))) {
       propose(motion, TwoViewModel::kEssential);
     }
   }
-  if (homography.score > 0) {
-    for (const SE3& motion : DecomposeHomography(homography.homography)) {
-      propose(motion, TwoViewModel::kHomography);
-    }
-  }
-  std::vector<TwoViewCandidate> candidates = Compete(rays, proposals, options);
+  std::vector<TwoViewCandidate> alive =
+      Compete(rays, std::move(proposals), scene_is_plane, options);
 
   result.status = TwoViewStatus::kTooFewPoints;
-  if (candidates.empty()) return result;
-  const TwoViewCandidate& best = candidates.front();
-  const bool rotation_explains = rotation_inliers >= options.max_rotation_share * best.num_inliers;
-  if (best.num_inliers >= options.min_points &&
-      (rotation_explains || best.supported_parallax_rad < options.min_parallax_rad ||
-       !(best.direction_sigma_rad <= options.max_direction_sigma_rad))) {
-    result.status = TwoViewStatus::kTooLittleParallax;
+  if (alive.empty() || alive.front().num_inliers < options.min_points) return result;
+  result.status = TwoViewStatus::kTooLittleParallax;
+  if (rotation_inliers >= options.max_rotation_share * alive.front().num_inliers) return result;
+  const bool ambiguous = alive.size() > 1;
+  bool parallax_lacks = false;
+  std::erase_if(alive, [&](const TwoViewCandidate& c) {
+    const bool enough = c.supported_parallax_rad >= options.min_parallax_rad &&
+                        c.direction_sigma_rad <= options.max_direction_sigma_rad;
+    parallax_lacks |= !enough;
+    return !enough || c.num_points < options.min_points;
+  });
+  if (alive.empty()) {
+    if (!parallax_lacks) result.status = TwoViewStatus::kTooFewPoints;
     return result;
   }
-  if (best.num_points < options.min_points) return result;
-  const double max_cost = (1 + options.max_rival_cost) * best.cost;
-  std::erase_if(candidates, [&](const TwoViewCandidate& candidate) {
-    return candidate.cost > max_cost || candidate.num_points < options.min_points ||
-           candidate.supported_parallax_rad < options.min_parallax_rad;
-  });
-  result.status = candidates.size() > 1 ? TwoViewStatus::kAmbiguous : TwoViewStatus::kOk;
-  result.candidates = std::move(candidates);
+  result.status = ambiguous ? TwoViewStatus::kAmbiguous : TwoViewStatus::kOk;
+  result.candidates = std::move(alive);
   return result;
 }
 

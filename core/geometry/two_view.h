@@ -53,13 +53,16 @@ struct TwoViewOptions {
   double max_rotation_share = 0.8;
   /// Standard deviation of the direction of translation beyond which it is not known.
   double max_direction_sigma_rad = 0.15;
-  /// A motion is alive if it has this share of the points of the best one ...
-  double min_rival_points = 0.75;
-  /// ... and its sum of truncated chi-squares is higher by at most this share of the best one's.
-  double max_rival_cost = 0.1;
-  /// [Mur15] sec. IV: a homography describes the scene if S_H / (S_H + S_E) exceeds this.
-  double homography_share = 0.45;
-  RansacOptions ransac;
+  /// A motion is a rival of the best if it has this share of the most inliers of any ...
+  double min_rival_inliers = 0.75;
+  /// ... and its sum of truncated chi-squares exceeds the least by less than what is usual between
+  /// two interpretations of one plane.
+  double max_rival_sigmas = 3;
+  /// [Mur15] sec. IV: the scene is taken for a plane if S_H / (S_H + S_E) exceeds this. With true
+  /// variances a plane has 0.445, and 1.5 degrees of parallax in a deep scene have 0.3.
+  double homography_share = 0.42;
+  /// More samples than an all-inlier one needs: noise decides how good it is.
+  RansacOptions ransac{.max_iterations = 300, .min_iterations = 50, .confidence = 0.99999};
 
   std::optional<std::string> Validate() const;
 };
@@ -82,8 +85,8 @@ struct TwoViewCandidate {
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::kTooFewMatches;
-  /// The motions alive, best first. Exactly one if kOk; several if kAmbiguous (typically both
-  /// interpretations of a plane), all of which passed every other test; else empty.
+  /// Best first. Exactly one if kOk. If kAmbiguous those rivals that would have been accepted alone
+  /// (typically both interpretations of a plane); one at least. Else none.
   std::vector<TwoViewCandidate> candidates;
   TwoViewModel model = TwoViewModel::kEssential;  ///< what describes the scene, by score
   double essential_score = 0;
