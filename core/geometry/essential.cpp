@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/motion_refinement.h"
 #include "core/geometry/polynomial.h"
 #include "core/geometry/random_sample.h"

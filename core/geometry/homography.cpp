@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
 
-#include "core/geometry/essential.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/random_sample.h"
 
 namespace vpslam {

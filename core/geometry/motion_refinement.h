@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/triangulation.h"
 
@@ -13,7 +14,7 @@ namespace vpslam {
 struct MotionRefinementOptions {
   int max_iterations = 15;
   /// Matches with a greater squared Sampson error over variance do not take part.
-  double max_chi2 = 3.841;
+  double max_chi2 = kChi2Dof1;
 };
 
 struct MotionRefinement {

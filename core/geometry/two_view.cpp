@@ -4,9 +4,11 @@
 #include <cmath>
 #include <functional>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/essential.h"
 #include "core/geometry/homography.h"
 #include "core/geometry/motion_refinement.h"
+#include "core/geometry/random_sample.h"
 #include "core/geometry/rotation_only.h"
 #include "core/geometry/triangulation.h"
 
@@ -28,6 +30,15 @@ double MedianDisplacement(std::span<const RayMatch> matches) {
   const auto middle = displacement.begin() + displacement.size() / 2;
   std::nth_element(displacement.begin(), middle, displacement.end());
   return *middle;
+}
+
+/// At most `count` of the matches, at random.
+std::vector<RayMatch> Sample(std::vector<RayMatch> matches, int count, std::mt19937_64& rng) {
+  const int size = static_cast<int>(matches.size());
+  if (size <= count) return matches;
+  for (int i = 0; i < count; ++i) std::swap(matches[i], matches[i + RandomIndex(size - i, rng)]);
+  matches.resize(count);
+  return matches;
 }
 
 /// Everything that follows from the motion.
@@ -60,6 +71,23 @@ void Reconstruct(std::span<const RayMatch> matches, const TwoViewOptions& option
       parallaxes_rad[std::min<size_t>(options.min_points, parallaxes_rad.size()) - 1];
 }
 
+/// The matches' real noise over the given one, from those that obey the epipolar constraint;
+/// between `min_scale` and 1.
+double NoiseScale(std::span<const RayMatch> matches, const Eigen::Matrix3d& essential,
+                  double min_scale) {
+  std::vector<double> chi2s;
+  for (const RayMatch& match : matches) {
+    const double chi2 = SampsonChi2(essential, match);
+    if (chi2 < kChi2Dof1) chi2s.push_back(chi2);
+  }
+  if (chi2s.empty()) return 1;
+  const auto middle = chi2s.begin() + chi2s.size() / 2;
+  std::nth_element(chi2s.begin(), middle, chi2s.end());
+  // Median of chi-square with one degree of freedom, as far as it is below 3.841.
+  constexpr double kMedianChi2 = 0.404;
+  return std::clamp(std::sqrt(*middle / kMedianChi2), min_scale, 1.0);
+}
+
 /// Whether a and b differ by no more than what the matches leave open.
 bool SameMotion(const TwoViewCandidate& a, const TwoViewCandidate& b) {
   // Rival interpretations of a scene are mostly tens of degrees apart.
@@ -75,7 +103,7 @@ bool SameMotion(const TwoViewCandidate& a, const TwoViewCandidate& b) {
 
 /// The motions between which the matches cannot decide, refined; best first.
 std::vector<TwoViewCandidate> Compete(std::span<const RayMatch> matches,
-                                      std::vector<TwoViewCandidate> candidates, bool scene_is_plane,
+                                      std::vector<TwoViewCandidate> candidates, TwoViewModel model,
                                       const TwoViewOptions& options) {
   const auto keep_those_with_inliers = [&candidates](double share) {
     int most = 0;
@@ -88,12 +116,15 @@ std::vector<TwoViewCandidate> Compete(std::span<const RayMatch> matches,
   // Half of what it takes to stay: refinement may bring some more.
   keep_those_with_inliers(0.5 * options.min_rival_inliers);
   for (TwoViewCandidate& c : candidates) {
-    // A plane constrains the motion better than the epipolar errors do alone: evaluate only.
-    const MotionRefinement refined =
-        scene_is_plane ? RefineMotion(matches, {.max_iterations = 0}, &c.second_from_first)
-                       : RefineMotionFromAfar(matches, 15, &c.second_from_first);
-    c.cost = refined.cost;
-    c.direction_sigma_rad = refined.direction_sigma_rad;
+    TwoViewCandidate refined = c;
+    const MotionRefinement refinement =
+        RefineMotionFromAfar(matches, 15, &refined.second_from_first);
+    c.cost = refined.cost = refinement.cost;
+    c.direction_sigma_rad = refined.direction_sigma_rad = refinement.direction_sigma_rad;
+    // A plane constrains the motion better than the epipolar errors do alone; but it has to be one.
+    const bool constrained =
+        model == TwoViewModel::kHomography && c.proposed_by == TwoViewModel::kHomography;
+    if (!constrained || !SameMotion(c, refined)) c = refined;
     Reconstruct(matches, options, &c);
   }
   keep_those_with_inliers(options.min_rival_inliers);
@@ -107,9 +138,14 @@ std::vector<TwoViewCandidate> Compete(std::span<const RayMatch> matches,
                                                             std::sqrt(alive.front().num_inliers)) {
       break;
     }
-    const bool known = std::any_of(alive.begin(), alive.end(),
-                                   [&](const auto& other) { return SameMotion(other, c); });
-    if (!known) alive.push_back(std::move(c));
+    const auto known = std::find_if(alive.begin(), alive.end(),
+                                    [&](const auto& other) { return SameMotion(other, c); });
+    if (known == alive.end()) {
+      alive.push_back(std::move(c));
+    } else if (c.proposed_by == TwoViewModel::kHomography &&
+               known->proposed_by == TwoViewModel::kEssential) {
+      *known = std::move(c);  // the better estimate of the two, if of a slightly higher cost
+    }
   }
   return alive;
 }
@@ -136,12 +172,15 @@ const char* ToString(TwoViewStatus status) {
 
 std::optional<std::string> TwoViewOptions::Validate() const {
   if (min_matches < 5) return "min_matches must be at least 5";
+  if (max_sampled_matches < min_matches) return "max_sampled_matches must reach min_matches";
   if (min_points < 1) return "min_points must be positive";
   if (!(min_parallax_rad > 0 && min_point_parallax_rad > 0)) return "parallaxes must be positive";
   if (!(min_displacement >= 0)) return "min_displacement must not be negative";
   if (!(max_direction_sigma_rad > 0)) return "max_direction_sigma_rad must be positive";
+  if (!(min_noise_scale > 0 && min_noise_scale <= 1)) return "min_noise_scale must lie in 0 to 1";
   if (!(max_rival_sigmas >= 0)) return "max_rival_sigmas must not be negative";
-  for (const double share : {max_rotation_share, min_rival_inliers, homography_share}) {
+  for (const double share :
+       {max_rotation_share, min_rival_inliers, homography_share, near_plane_share}) {
     if (!(share > 0 && share <= 1)) return "shares must lie in 0 to 1";
   }
   return ransac.Validate();
@@ -165,19 +204,33 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
   // What costs little first: most calls come from frames too close to each other.
   result.status = TwoViewStatus::kTooLittleParallax;
   if (MedianDisplacement(rays) < options.min_displacement) return result;
-  const int rotation_inliers = EstimateRotation(rays, options.ransac, rng).num_inliers;
-  const double num_matches = static_cast<double>(rays.size());
-  result.rotation_share = rotation_inliers / num_matches;
+  const std::vector<RayMatch> sampled = Sample(rays, options.max_sampled_matches, rng);
+  result.rotation_share = EstimateRotation(sampled, options.ransac, rng).num_inliers /
+                          static_cast<double>(sampled.size());
   if (result.rotation_share >= options.max_rotation_share) return result;
 
-  const EssentialEstimate essential = EstimateEssential(rays, options.ransac, rng);
-  const HomographyEstimate homography = EstimateHomography(rays, options.ransac, rng);
-  result.essential_score = essential.score;
-  result.homography_score = homography.score;
-  if (homography.score > options.homography_share * (homography.score + essential.score)) {
-    result.model = TwoViewModel::kHomography;
+  const double num_matches = static_cast<double>(rays.size());
+  const EssentialEstimate essential = EstimateEssential(sampled, options.ransac, rng);
+  if (essential.score == 0) {
+    result.status = TwoViewStatus::kTooFewPoints;
+    return result;
   }
-  const bool scene_is_plane = result.model == TwoViewModel::kHomography;
+  const Eigen::Matrix3d essential_matrix = EssentialFromMotion(essential.motion);
+  // The given sigmas set the gates. What decides between models must know the noise as it is.
+  std::vector<RayMatch> scaled = rays;
+  const double noise_scale = NoiseScale(rays, essential_matrix, options.min_noise_scale);
+  for (RayMatch& match : scaled) {
+    match.first_variance *= noise_scale * noise_scale;
+    match.second_variance *= noise_scale * noise_scale;
+  }
+  HomographyEstimate homography =
+      EstimateHomography(Sample(scaled, options.max_sampled_matches, rng), options.ransac, rng);
+  RefineHomography(scaled, 10, &homography.homography);
+  result.noise_scale = noise_scale;
+  result.essential_score = EssentialScore(essential_matrix, scaled);
+  result.homography_score = HomographyScore(homography.homography, scaled);
+  const double share = result.homography_score / (result.homography_score + result.essential_score);
+  if (share > options.homography_share) result.model = TwoViewModel::kHomography;
   std::vector<TwoViewCandidate> proposals;
   const auto propose = [&](const SE3& motion, TwoViewModel model) {
     TwoViewCandidate proposal;
@@ -185,22 +238,23 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
     proposal.proposed_by = model;
     proposals.push_back(std::move(proposal));
   };
-  if (scene_is_plane) {
+  if (share > options.near_plane_share) {
     for (const SE3& motion : DecomposeHomography(homography.homography)) {
       propose(motion, TwoViewModel::kHomography);
     }
-  } else if (essential.score > 0) {
-    for (const SE3& motion : DecomposeEssential(EssentialFromMotion(essential.motion))) {
-      propose(motion, TwoViewModel::kEssential);
-    }
+  }
+  for (const SE3& motion : DecomposeEssential(essential_matrix)) {
+    propose(motion, TwoViewModel::kEssential);
   }
   std::vector<TwoViewCandidate> alive =
-      Compete(rays, std::move(proposals), scene_is_plane, options);
+      Compete(scaled, std::move(proposals), result.model, options);
+  for (TwoViewCandidate& candidate : alive) Reconstruct(rays, options, &candidate);
 
   result.status = TwoViewStatus::kTooFewPoints;
   if (alive.empty() || alive.front().num_inliers < options.min_points) return result;
   result.status = TwoViewStatus::kTooLittleParallax;
-  if (rotation_inliers >= options.max_rotation_share * alive.front().num_inliers) return result;
+  if (result.rotation_share * num_matches >= options.max_rotation_share * alive.front().num_inliers)
+    return result;
   const bool ambiguous = alive.size() > 1;
   bool parallax_lacks = false;
   std::erase_if(alive, [&](const TwoViewCandidate& c) {

@@ -53,6 +53,10 @@ struct TwoViewOptions {
   double max_rotation_share = 0.8;
   /// Standard deviation of the direction of translation beyond which it is not known.
   double max_direction_sigma_rad = 0.15;
+  /// Real positions are often better than the given sigmas say (sub-pixel corners, blurred copies
+  /// of one error in both images); models are compared at the noise found, but at no less than this
+  /// times the sigmas.
+  double min_noise_scale = 0.3;
   /// A motion is a rival of the best if it has this share of the most inliers of any ...
   double min_rival_inliers = 0.75;
   /// ... and its sum of truncated chi-squares exceeds the least by less than what is usual between
@@ -61,6 +65,11 @@ struct TwoViewOptions {
   /// [Mur15] sec. IV: the scene is taken for a plane if S_H / (S_H + S_E) exceeds this. With true
   /// variances a plane has 0.445, and 1.5 degrees of parallax in a deep scene have 0.3.
   double homography_share = 0.42;
+  /// Beyond this share the scene is flat enough for a plane's second interpretation to be a rival,
+  /// so that the homography proposes its motions as well.
+  double near_plane_share = 0.35;
+  /// RANSAC sees that many matches at most; the motions it finds are refined on all.
+  int max_sampled_matches = 400;
   /// More samples than an all-inlier one needs: noise decides how good it is.
   RansacOptions ransac{.max_iterations = 300, .min_iterations = 50, .confidence = 0.99999};
 
@@ -91,7 +100,8 @@ struct TwoViewResult {
   TwoViewModel model = TwoViewModel::kEssential;  ///< what describes the scene, by score
   double essential_score = 0;
   double homography_score = 0;
-  double rotation_share = 0;  ///< matches explained by pure rotation / all
+  double noise_scale = 1;     ///< noise found / given sigmas
+  double rotation_share = 0;  ///< share of matches that pure rotation explains
 };
 
 /// The camera, and the options, have been validated by the caller. The same input and state of the
