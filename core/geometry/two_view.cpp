@@ -225,7 +225,7 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
   }
   HomographyEstimate homography =
       EstimateHomography(Sample(scaled, options.max_sampled_matches, rng), options.ransac, rng);
-  RefineHomography(scaled, 10, &homography.homography);
+  RefineHomography(scaled, 10, kChi2Dof2, &homography.homography);
   result.noise_scale = noise_scale;
   result.essential_score = EssentialScore(essential_matrix, scaled);
   result.homography_score = HomographyScore(homography.homography, scaled);
