@@ -82,11 +82,15 @@ struct TwoViewOptions {
     v("min_displacement", min_displacement);
     v("max_rotation_share", max_rotation_share);
     v("max_direction_sigma_rad", max_direction_sigma_rad);
-    v("min_rival_points", min_rival_points);
-    v("max_rival_cost", max_rival_cost);
+    v("min_noise_scale", min_noise_scale);
+    v("min_rival_inliers", min_rival_inliers);
+    v("max_rival_sigmas", max_rival_sigmas);
     v("homography_share", homography_share);
+    v("near_plane_share", near_plane_share);
+    v("max_sampled_matches", max_sampled_matches);
     v("ransac", ransac);
   }
+
   std::optional<std::string> Validate() const;
 };
 
