@@ -19,7 +19,8 @@ constexpr double kHeight = 2.5;
 constexpr double kStart = -2.0;  // x of the wall behind the first position
 constexpr double kOuter = 9.0;   // x of the wall that ends the first leg
 constexpr double kInner = kOuter - 2 * kHalfWidth;
-constexpr double kEnd = 9.0;  // y of the wall that ends the second leg
+constexpr double kEnd = 9.0;       // y of the wall that ends the second leg
+constexpr double kBoard_m = 0.62;  // side of a ceiling board
 constexpr double kPace_m_s = 0.75;
 constexpr double kKnot_s = 0.6;
 
@@ -43,7 +44,7 @@ class CorridorBuilder {
     AddWall({kInner, kHalfWidth}, {kInner, kEnd}, {1.9, 5.6});
     AddWall({kInner, kEnd}, {kOuter, kEnd}, {});
     AddFittings();
-    builder_.scene().ambient = 0.36;
+    builder_.scene().ambient = 0.3;
     return std::move(builder_.scene());
   }
 
@@ -68,25 +69,23 @@ class CorridorBuilder {
 
   void AddFloorAndCeiling() {
     const Surface floor = builder_.Material(Linoleum(0.26f, random_.Next()), 300).Glossy(0.3);
-    const Surface board = builder_.Material(CeilingBoard(0.72f, random_.Next()), 380);
+    const Surface board = builder_.Material(CeilingBoards(0.72f, random_.Next()), 256 / kBoard_m);
     const Placement middle;
     const double legs[2][4] = {{kStart, -kHalfWidth, kOuter, kHalfWidth},
                                {kInner, kHalfWidth, kOuter, kEnd}};
     for (const auto& [x0, y0, x1, y1] : legs) {
       builder_.AddQuad(middle, {x0, y1, 0}, {x1 - x0, 0, 0}, {0, y0 - y1, 0}, floor);
-      builder_.AddQuad(middle, {x0, y0, kHeight}, {x1 - x0, 0, 0}, {0, y1 - y0, 0}, board);
-      // The bars that carry the ceiling boards.
-      const int columns = static_cast<int>(std::lround((x1 - x0) / 0.62));
-      const int rows = static_cast<int>(std::lround((y1 - y0) / 0.62));
-      for (int i = 1; i < columns; ++i) {
-        const double x = x0 + (x1 - x0) * i / columns;
-        builder_.AddBox(middle, {x - 0.012, y0, kHeight - 0.006}, {x + 0.012, y1, kHeight},
-                        palette_.frame);
+      // Boards begin in the corner; the bars between them are lines drawn on the ceiling.
+      builder_.AddQuad(middle, {x0, y0, kHeight}, {x1 - x0, 0, 0}, {0, y1 - y0, 0}, board)
+          .texel_offset = {0, 0};
+      // The texture of the leg along y is turned and begins at its far side in x.
+      const bool turned = y1 - y0 > x1 - x0;
+      for (double d = kBoard_m; d < x1 - x0; d += kBoard_m) {
+        const double x = turned ? x1 - d : x0 + d;
+        builder_.AddLine(middle, {x, y0, kHeight}, {x, y1, kHeight}, LineKind::kMark);
       }
-      for (int i = 1; i < rows; ++i) {
-        const double y = y0 + (y1 - y0) * i / rows;
-        builder_.AddBox(middle, {x0, y - 0.012, kHeight - 0.0065}, {x1, y + 0.012, kHeight},
-                        palette_.frame);
+      for (double d = kBoard_m; d < y1 - y0; d += kBoard_m) {
+        builder_.AddLine(middle, {x0, y0 + d, kHeight}, {x1, y0 + d, kHeight}, LineKind::kMark);
       }
     }
     const Surface glass = builder_.Material(Lacquer(0.9f, random_.Next()), 420);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -150,12 +151,29 @@ cv::Mat1f Lacquer(float reflectance, uint64_t seed) {
   return Limited(reflectance * factor);
 }
 
-cv::Mat1f CeilingBoard(float reflectance, uint64_t seed) {
+cv::Mat1f CeilingBoards(float reflectance, uint64_t seed) {
   Random random(seed);
   const cv::Size size(kLarge, kLarge);
   cv::Mat1f factor = cv::Mat1f::ones(size);
   Scuff(factor, 2500, 3, 0.22, random);
   factor += 0.03 * FractalNoise(size, 4, 4, 4, 0.6, random.Next());
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      factor(cv::Rect(column * 256, row * 256, 256, 256)) *= random.Uniform(0.95, 1.03);
+    }
+  }
+  // A bar is 10 texels wide with a shadow gap of 2 on both sides.
+  for (const auto& [half, value] : {std::pair(7, 0.5f), std::pair(5, 1.1f)}) {
+    for (int at = 0; at < kLarge; ++at) {
+      for (int line = 0; line < kLarge; line += 256) {
+        for (int d = -half; d < half; ++d) {
+          const int across = (line + d + kLarge) % kLarge;
+          factor(at, across) = value;
+          factor(across, at) = value;
+        }
+      }
+    }
+  }
   return Limited(reflectance * factor);
 }
 

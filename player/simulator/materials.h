@@ -22,7 +22,8 @@ cv::Mat1f Linoleum(float reflectance, uint64_t seed);
 cv::Mat1f Fabric(float reflectance, uint64_t seed);
 /// Lacquer or plastic: even, with fine dirt. 512 x 512.
 cv::Mat1f Lacquer(float reflectance, uint64_t seed);
-/// Pinhole mineral-fibre ceiling board. 1024 x 1024.
-cv::Mat1f CeilingBoard(float reflectance, uint64_t seed);
+/// Mineral-fibre ceiling boards in a grid of light bars, 4 x 4 boards. 1024 x 1024; the bars are
+/// centred on texel coordinates 0, 256, 512 and 768.
+cv::Mat1f CeilingBoards(float reflectance, uint64_t seed);
 
 }  // namespace vpslam::simulator

@@ -20,6 +20,7 @@ constexpr float kBackground = 0.02f;
 // Four samples a pixel resolve half a level more than one.
 constexpr double kLodBias = -0.6;
 constexpr int kGlossSquarings = 5;  // exponent 2^5 of the highlight
+constexpr size_t kGlossStep = 8;    // samples
 
 /// A rotated grid: in x and in y each of the four quarters of a pixel gets one sample.
 constexpr double kOffsets_px[Renderer::kSubFrames][2] = {
@@ -84,8 +85,13 @@ Renderer::RayGrid Renderer::MakeRays(const Eigen::Vector2d& offset_px) const {
 
 void Renderer::FindVisible(const SE3& world_from_cam) {
   visible_.clear();
+  lamps_in_cam_.clear();
   const SE3 cam_from_world = world_from_cam.Inverse();
   const Eigen::Matrix3d rotation = cam_from_world.RotationMatrix();
+  for (const Lamp& lamp : scene_.lamps) {
+    const Eigen::Vector3d centre = lamp.origin + 0.5 * (lamp.u + lamp.v);
+    lamps_in_cam_.push_back((cam_from_world * centre).cast<float>());
+  }
   const double left = centre_rays_.table_min - 0.01;
   const double right = left + (kColumnTable + 1) / centre_rays_.table_scale + 0.02;
   const double top = centre_rays_.row_min_y.front() - 0.01;
@@ -204,18 +210,16 @@ void Renderer::Rasterise(const RayGrid& rays) {
   }
 }
 
-float Renderer::Gloss(const VisibleQuad& visible, const SE3& world_from_cam,
-                      const Eigen::Vector3f& point) const {
-  const Eigen::Vector3f view = point.normalized();
+float Renderer::Gloss(const VisibleQuad& visible, const RayGrid& rays, size_t sample) const {
+  const Eigen::Vector3f ray(rays.x[sample], rays.y[sample], 1);
+  const Eigen::Vector3f point = ray / inverse_depth_[sample];
+  const Eigen::Vector3f view = ray.normalized();
   const Eigen::Vector3f mirrored = view - 2 * view.dot(visible.normal) * visible.normal;
-  const SE3 cam_from_world = world_from_cam.Inverse();
   float sum = 0;
-  for (const Lamp& lamp : scene_.lamps) {
-    const Eigen::Vector3d centre = cam_from_world * (lamp.origin + 0.5 * (lamp.u + lamp.v));
-    const Eigen::Vector3f to = (centre.cast<float>() - point).normalized();
-    float c = std::max(0.0f, to.dot(mirrored));
-    for (int i = 0; i < kGlossSquarings; ++i) c *= c;
-    sum += c * static_cast<float>(lamp.radiance);
+  for (size_t i = 0; i < lamps_in_cam_.size(); ++i) {
+    float c = std::max(0.0f, (lamps_in_cam_[i] - point).normalized().dot(mirrored));
+    for (int k = 0; k < kGlossSquarings; ++k) c *= c;
+    sum += c * static_cast<float>(scene_.lamps[i].radiance);
   }
   // Schlick's approximation of Fresnel's law, for a refractive index of 1.5.
   const float grazing = 1 + view.dot(visible.normal);
@@ -223,9 +227,27 @@ float Renderer::Gloss(const VisibleQuad& visible, const SE3& world_from_cam,
   return sum * (0.04f + 0.96f * grazing2 * grazing2 * grazing);
 }
 
+void Renderer::AddGloss(const VisibleQuad& visible, const RayGrid& rays, size_t begin, size_t end,
+                        float* sum) const {
+  // A highlight is wide: computed every few samples, linear between.
+  const float gloss = static_cast<float>(scene_.quads[visible.index].gloss);
+  float left = gloss * Gloss(visible, rays, begin);
+  sum[begin] += left;
+  while (begin + 1 < end) {
+    const size_t next = std::min(begin + kGlossStep, end - 1);
+    const float right = gloss * Gloss(visible, rays, next);
+    const float slope = (right - left) / static_cast<float>(next - begin);
+    for (size_t i = begin + 1; i <= next; ++i) {
+      sum[i] += left + slope * static_cast<float>(i - begin);
+    }
+    begin = next;
+    left = right;
+  }
+}
+
 template <bool kWraps>
-void Renderer::ShadeRun(const VisibleQuad& visible, const RayGrid& rays, const SE3& world_from_cam,
-                        size_t begin, size_t end, float lod_dither, float* sum) const {
+void Renderer::ShadeRun(const VisibleQuad& visible, const RayGrid& rays, size_t begin, size_t end,
+                        float lod_dither, float* sum) const {
   const Quad& quad = scene_.quads[visible.index];
   const Texture& texture = scene_.textures[quad.texture];
   const LightMap& light = light_[visible.index];
@@ -280,17 +302,10 @@ void Renderer::ShadeRun(const VisibleQuad& visible, const RayGrid& rays, const S
     const float l1 = l[light.cells_x + 1] + gx * (l[light.cells_x + 2] - l[light.cells_x + 1]);
     sum[i] += reflectance * (l0 + gy * (l1 - l0));
   }
-  if (quad.gloss > 0) {
-    for (size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3f ray(rays.x[i], rays.y[i], 1);
-      sum[i] +=
-          static_cast<float>(quad.gloss) * Gloss(visible, world_from_cam, ray / inverse_depth_[i]);
-    }
-  }
+  if (quad.gloss > 0) AddGloss(visible, rays, begin, end, sum);
 }
 
-void Renderer::Shade(const RayGrid& rays, const SE3& world_from_cam, float lod_dither,
-                     float* sum) const {
+void Renderer::Shade(const RayGrid& rays, float lod_dither, float* sum) const {
   const size_t width = static_cast<size_t>(camera_.width);
   for (size_t row = 0; row < owner_.size(); row += width) {
     size_t begin = row;
@@ -301,9 +316,9 @@ void Renderer::Shade(const RayGrid& rays, const SE3& world_from_cam, float lod_d
       if (id < 0) {
         for (size_t i = begin; i < end; ++i) sum[i] += kBackground;
       } else if (scene_.textures[scene_.quads[visible_[id].index].texture].wraps) {
-        ShadeRun<true>(visible_[id], rays, world_from_cam, begin, end, lod_dither, sum);
+        ShadeRun<true>(visible_[id], rays, begin, end, lod_dither, sum);
       } else {
-        ShadeRun<false>(visible_[id], rays, world_from_cam, begin, end, lod_dither, sum);
+        ShadeRun<false>(visible_[id], rays, begin, end, lod_dither, sum);
       }
       begin = end;
     }
@@ -316,7 +331,7 @@ cv::Mat1f Renderer::Radiance(const Exposure& world_from_cam) {
     FindVisible(world_from_cam[i]);
     Rasterise(sub_frame_rays_[i]);
     // A different rounding of the mip level in each sub-frame: their mean blends two levels.
-    Shade(sub_frame_rays_[i], world_from_cam[i], (i + 0.5f) / kSubFrames, sum[0]);
+    Shade(sub_frame_rays_[i], (i + 0.5f) / kSubFrames, sum[0]);
   }
   return sum / kSubFrames;
 }

@@ -66,11 +66,13 @@ class Renderer {
   void FindVisible(const SE3& world_from_cam);
   void Rasterise(const RayGrid& rays);
   template <bool kWraps>
-  void ShadeRun(const VisibleQuad& visible, const RayGrid& rays, const SE3& world_from_cam,
-                size_t begin, size_t end, float lod_dither, float* sum) const;
-  void Shade(const RayGrid& rays, const SE3& world_from_cam, float lod_dither, float* sum) const;
-  float Gloss(const VisibleQuad& visible, const SE3& world_from_cam,
-              const Eigen::Vector3f& point) const;
+  void ShadeRun(const VisibleQuad& visible, const RayGrid& rays, size_t begin, size_t end,
+                float lod_dither, float* sum) const;
+  void Shade(const RayGrid& rays, float lod_dither, float* sum) const;
+  /// Radiance of the lamps mirrored at a sample of a perfectly glossy quad.
+  float Gloss(const VisibleQuad& visible, const RayGrid& rays, size_t sample) const;
+  void AddGloss(const VisibleQuad& visible, const RayGrid& rays, size_t begin, size_t end,
+                float* sum) const;
 
   Scene scene_;
   Camera camera_;
@@ -80,6 +82,7 @@ class Renderer {
 
   // Working memory of one sub-frame.
   std::vector<VisibleQuad> visible_;
+  std::vector<Eigen::Vector3f> lamps_in_cam_;  // their centres
   std::vector<float> inverse_depth_;
   std::vector<int32_t> owner_;  // index into visible_, -1: nothing
 };

@@ -90,7 +90,7 @@ void SceneBuilder::AddBox(const Placement& where, const Eigen::Vector3d& low,
 
 void SceneBuilder::AddLyingSheet(const Placement& where, const Eigen::Vector3d& centre,
                                  double width, double height, double turn_rad,
-                                 const Surface& surface) {
+                                 const Surface& surface, const Surface& rim) {
   const Placement sheet = where.Within(centre, turn_rad);
   AddBox(sheet, {-width / 2, -height / 2, 0}, {width / 2, height / 2, 0.002}, rim,
          {{Face::kTop, surface}});
