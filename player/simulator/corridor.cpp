@@ -32,7 +32,9 @@ class CorridorBuilder {
         palette_(MakePalette(builder_)),
         wall_(builder_.Material(Plaster(0.58f, random_.Next()), 300)),
         skirting_(palette_.dark_wood.Tinted(1.3)),
-        number_(101 + random_.Below(60)) {}
+        number_(101 + random_.Below(60)) {
+    palette_.door = palette_.door.Tinted(0.7);
+  }
 
   Scene Build() {
     AddFloorAndCeiling();
@@ -44,7 +46,7 @@ class CorridorBuilder {
     AddWall({kInner, kHalfWidth}, {kInner, kEnd}, {1.9, 5.6});
     AddWall({kInner, kEnd}, {kOuter, kEnd}, {});
     AddFittings();
-    builder_.scene().ambient = 0.3;
+    builder_.scene().ambient = 0.26;
     return std::move(builder_.scene());
   }
 
@@ -61,6 +63,10 @@ class CorridorBuilder {
     builder_.AddLine(wall, {0, 0, kHeight}, {length, 0, kHeight}, LineKind::kEdge);
     builder_.AddLine(wall, {length, 0, 0}, {length, 0, kHeight}, LineKind::kEdge);
     builder_.AddBox(wall, {0, -0.014, 0}, {length, 0, 0.11}, skirting_);
+    // A rail that keeps trolleys off the wall; the leaves of the doors stand before it.
+    if (doors.size() > 1) {
+      builder_.AddBox(wall, {0, -0.018, 0.84}, {length, 0, 0.98}, skirting_.Tinted(1.2));
+    }
     for (const double x : doors) {
       const double at = x + random_.Uniform(-0.12, 0.12);
       AddDoor(builder_, palette_, wall.Within({at, 0, 0}), 0.92, 2.05, number_++);
@@ -100,7 +106,7 @@ class CorridorBuilder {
     builder_.AddBox(lamp, {-0.6, -0.16, kHeight - 0.03}, {0.6, 0.16, kHeight - 0.001},
                     palette_.frame);
     builder_.AddLamp(lamp, {-0.58, -0.14, kHeight - 0.031}, {1.16, 0, 0}, {0, 0.28, 0}, glass, 2.5,
-                     9);
+                     11);
   }
 
   void AddFittings() {

@@ -35,7 +35,7 @@ class RoomBuilder {
     FurnishSouth();
     FurnishWest();
     FurnishMiddle();
-    builder_.scene().ambient = 0.42;
+    builder_.scene().ambient = 0.3;
     return std::move(builder_.scene());
   }
 
@@ -68,7 +68,7 @@ class RoomBuilder {
       builder_.AddBox(middle, {x - 0.5, -0.2, kHeight - 0.07}, {x + 0.5, 0.2, kHeight - 0.001},
                       palette_.frame);
       builder_.AddLamp(middle, {x - 0.48, -0.18, kHeight - 0.072}, {0.96, 0, 0}, {0, 0.36, 0},
-                       glass, 2.5, 9);
+                       glass, 2.5, 12);
     }
   }
 
@@ -101,7 +101,7 @@ class RoomBuilder {
   }
 
   void FurnishEast() {
-    AddWindow(builder_, palette_, east_.Within({-0.1, 0, 0}), 1.5, 1.2, 0.95, 1.25, 3.2);
+    AddWindow(builder_, palette_, east_.Within({-0.1, 0, 0}), 1.5, 1.2, 0.95, 1.25, 5);
     AddRadiator(builder_, palette_, east_.Within({-0.1, 0, 0}), 1.3, 0.55);
     AddPlant(builder_, palette_, east_, {0.45, -0.11, 0.86}, 0.42);
     AddPicture(builder_, palette_.frame, east_, -1.4, 1.55, 0.5, 0.7, 0,

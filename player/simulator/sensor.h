@@ -20,8 +20,8 @@ struct SensorOptions {
   /// Factor on the noise; 1 is a small camera in a room, 0 none.
   double noise = 1;
   /// Noise variance of a linear signal s in [0, 1] at noise = 1: shot * s + read^2.
-  double shot = 2.5e-4;
-  double read = 1.2e-3;
+  double shot = 1.5e-4;
+  double read = 1e-3;
 
   std::optional<std::string> Validate() const;
 };
