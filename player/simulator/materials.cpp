@@ -90,8 +90,8 @@ cv::Mat1f Parquet(float reflectance, int rows, uint64_t seed) {
   Random random(seed);
   const cv::Mat1f wood = Wood(reflectance, random.Next());
   cv::Mat1f image(kLarge, kLarge);
-  const int height = kLarge / rows;
   for (int row = 0; row < rows; ++row) {
+    const int top = row * kLarge / rows, height = (row + 1) * kLarge / rows - top;
     int x = random.Below(kLarge / 3);
     const int start = x;
     while (x < start + kLarge) {
@@ -102,7 +102,7 @@ cv::Mat1f Parquet(float reflectance, int rows, uint64_t seed) {
       for (int dy = 0; dy < height; ++dy) {
         for (int dx = 0; dx < length; ++dx) {
           const bool joint = dy == 0 || dx == 0;
-          image(row * height + dy, (x + dx) % kLarge) =
+          image(top + dy, (x + dx) % kLarge) =
               (joint ? 0.45f : tone) * wood((from_y + dy) % wood.rows, (from_x + dx) % wood.cols);
         }
       }
