@@ -1,5 +1,5 @@
-// The whole system in one process, in lockstep and without LCM: for profiling and debugging. What it
-// computes is what `scripts/vpslam run --pace lockstep` computes.
+// The whole system in one process, in lockstep and without LCM: for profiling and debugging. What
+// it computes is what `scripts/vpslam run --pace lockstep` computes.
 #include <cstdio>
 #include <exception>
 
@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "backend/mapper.h"
+#include "core/base/settings.h"
 #include "frontend/tracker.h"
 #include "player/source_factory.h"
 #include "recorder/results.h"
@@ -19,14 +20,19 @@ struct Arguments {
   std::string out;
   SourceOptions source;
   uint64_t seed = 1;
+  std::string config;
+  std::vector<std::string> set;
   bool verbose = false;
 };
 
 void Run(const Arguments& arguments) {
   cv::setNumThreads(1);
   const auto source = OpenSource(arguments.sequence, arguments.source);
-  Tracker tracker(source->camera(), TrackerOptions(), arguments.seed);
-  Mapper mapper(source->camera(), MapperOptions());
+  Tracker tracker(source->camera(),
+                  LoadSettings<TrackerOptions>(arguments.config, "frontend", arguments.set),
+                  arguments.seed);
+  Mapper mapper(source->camera(),
+                LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set));
   RunRecord record;
   const auto take = [&](const Tracker::Output& output) {
     for (const FramePose& pose : output.poses) {
@@ -70,6 +76,8 @@ int main(int argc, char** argv) {
   app.add_option("--start", arguments.source.start);
   app.add_option("--frames", arguments.source.max_frames);
   app.add_option("--seed", arguments.seed);
+  app.add_option("--config", arguments.config);
+  app.add_option("--set", arguments.set);
   app.add_flag("--verbose", arguments.verbose);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -29,7 +29,7 @@ std::unique_ptr<ImageSource> OpenSource(const std::string& name, const SourceOpt
   }
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
-    throw std::runtime_error(name + ": does not exist; name the folder of a sequence");
+    throw std::runtime_error(name + ": does not exist; name the folder of a sequence, or sim:room");
   }
   throw std::runtime_error(name +
                            ": holds no rgb.txt; name a folder in the layout of the TUM RGB-D "

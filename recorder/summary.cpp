@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recorder/stages.h"
+#include "recorder/trajectory.h"
 
 namespace vpslam {
 namespace {
@@ -28,12 +29,14 @@ Json Frames(const RunRecord& run) {
   const int64_t in = run.frames_in();
   const auto processed = static_cast<int64_t>(frames.size());
   const int64_t first_tracked = first == frames.end() ? in : first->first;
+  size_t tracked = 0;
+  for (const MapTrajectory& t : FinalTrajectories(run)) tracked += t.poses.size();
   const int64_t processed_before = std::distance(frames.begin(), first);
   return {{"in", in},
           {"processed", processed},
           {"dropped", in - processed},
           {"dropped_before_init", first_tracked - processed_before},
-          {"tracked", std::count_if(frames.begin(), frames.end(), measured)}};
+          {"tracked", tracked}};
 }
 
 Json StageMedians(const RunRecord& run) {

@@ -17,8 +17,8 @@ struct RunInfo {
   std::string commit;
 };
 
-/// Counts of maps, keyframes and points are those of all maps together. A figure that nothing was
-/// measured for is null.
+/// Counts are those of all maps together; tracked frames are those that have a pose in one of the
+/// trajectories. A figure that nothing was measured for is null.
 nlohmann::ordered_json Summary(const RunRecord& run, const RunInfo& info);
 
 }  // namespace vpslam

@@ -1,6 +1,7 @@
 // One image at several scales.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -27,13 +28,16 @@ class ImagePyramid {
   float ToLevelZeroX(int octave, float x) const { return (x + 0.5f) * ratio_x_[octave] - 0.5f; }
   float ToLevelZeroY(int octave, float y) const { return (y + 0.5f) * ratio_y_[octave] - 0.5f; }
 
+  /// Bytes between rows, on every level.
+  std::ptrdiff_t row_step() const { return static_cast<std::ptrdiff_t>(buffer_.step); }
+  /// Images of the same sizes and row step, in `buffer`.
+  std::vector<cv::Mat> AllocateAlike(cv::Mat* buffer) const;
+
  private:
+  std::vector<cv::Size> sizes_;
   cv::Mat buffer_;
   std::vector<cv::Mat> levels_;           ///< into buffer_
   std::vector<float> ratio_x_, ratio_y_;  ///< level 0 size / size; sizes are rounded to pixels
 };
-
-/// Room for one image per level, all with one row step, as ImagePyramid has it.
-std::vector<cv::Mat> AllocateLevels(const std::vector<cv::Size>& sizes, cv::Mat* buffer);
 
 }  // namespace vpslam

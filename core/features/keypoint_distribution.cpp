@@ -18,54 +18,75 @@ void SortByScore(const std::vector<Corner>& corners, std::vector<Corner>* sorted
   for (const Corner& c : corners) (*sorted)[begin[bucket(c)]++] = c;
 }
 
-}  // namespace
-
-void KeypointDistribution::Cover(cv::Size size, float cell_px, int limit) {
-  constexpr int kReach = 2;  // cells to each side; finer ones cost more and choose no better
-  const float cells_per_px = 1.0f / cell_px;
-  // A frame of kReach cells saves the test for the border.
-  const int columns = static_cast<int>(size.width * cells_per_px) + 1 + 2 * kReach;
-  const int rows = static_cast<int>(size.height * cells_per_px) + 1 + 2 * kReach;
-  covered_.assign(static_cast<size_t>(columns) * rows, 0);
-  picked_.clear();
-  for (const Corner& c : sorted_) {
-    const int column = static_cast<int>(c.x * cells_per_px);
-    const int row = static_cast<int>(c.y * cells_per_px);
-    if (covered_[(row + kReach) * columns + column + kReach]) continue;
-    picked_.push_back(c);
-    if (static_cast<int>(picked_.size()) >= limit) return;
-    for (int r = row; r <= row + 2 * kReach; ++r) {
-      std::fill_n(covered_.begin() + r * columns + column, 2 * kReach + 1, uint8_t{1});
+/// Marks of a grid with a frame around it, which saves the test for the border.
+struct FramedGrid {
+  FramedGrid(cv::Size size, float cell_px, std::vector<uint8_t>* marks)
+      : cells_per_px(1.0f / cell_px),
+        columns(static_cast<int>(static_cast<float>(size.width) * cells_per_px) + 1 + 2 * kFrame),
+        marks_(*marks) {
+    const int rows = static_cast<int>(static_cast<float>(size.height) * cells_per_px) + 1;
+    marks_.assign(static_cast<size_t>(columns) * (rows + 2 * kFrame), 0);
+  }
+  uint8_t* At(const Corner& c) const {
+    const int column = static_cast<int>(static_cast<float>(c.x) * cells_per_px);
+    const int row = static_cast<int>(static_cast<float>(c.y) * cells_per_px);
+    return &marks_[(row + kFrame) * columns + column + kFrame];
+  }
+  void MarkAround(uint8_t* cell) const {
+    for (int r = -kFrame; r <= kFrame; ++r) {
+      std::fill_n(cell + r * columns - kFrame, 2 * kFrame + 1, uint8_t{1});
     }
   }
+
+  static constexpr int kFrame = 2;
+  float cells_per_px;
+  int columns;
+
+ private:
+  std::vector<uint8_t>& marks_;
+};
+
+}  // namespace
+
+std::optional<std::string> DistributionOptions::Validate() const {
+  if (!(min_spacing >= 0 && min_spacing <= 1)) return "min_spacing must lie in 0 to 1";
+  if (!(cell > 0 && cell <= 100)) return "cell must lie in 0 to 100";
+  return std::nullopt;
 }
 
 void KeypointDistribution::Select(cv::Size size, int wanted, std::vector<Corner>* corners) {
+  if (wanted >= static_cast<int>(corners->size())) return;
   SortByScore(*corners, &sorted_);
-  if (wanted >= static_cast<int>(corners->size())) {
-    corners->swap(sorted_);
-    return;
-  }
-  corners->assign(sorted_.begin(), sorted_.begin() + std::max(wanted, 0));
+  corners->clear();
   if (wanted <= 0) return;
-
-  // Bisection between "covers its own pixel only" and the square that fewer than `wanted` would
-  // fill; the strongest `wanted` corners, as they stand now, if even the former leaves too few.
-  constexpr int kIterations = 8;
-  const int limit = wanted + std::max(wanted / 20, 1);
-  float low = 0.5f;
-  float high = std::sqrt(static_cast<float>(size.area()) / static_cast<float>(wanted));
-  for (int i = 0; i < kIterations && high - low > 0.1f; ++i) {
-    const float cell_px = 0.5f * (low + high);
-    Cover(size, cell_px, limit);
-    const int count = static_cast<int>(picked_.size());
-    if (count < wanted) {
-      high = cell_px;
+  const double spacing_px = std::sqrt(static_cast<double>(size.area()) / wanted);
+  // A corner covers its cell and two more to each side; cells below half a pixel change nothing.
+  const double cover_px = options_.min_spacing * spacing_px / FramedGrid::kFrame;
+  const FramedGrid cover(size, static_cast<float>(std::max(0.5, cover_px)), &cover_mask_);
+  const FramedGrid cells(size, static_cast<float>(std::max(1.0, options_.cell * spacing_px)),
+                         &cell_taken_);
+  uncovered_.clear();
+  covered_.clear();
+  const size_t limit = static_cast<size_t>(wanted);
+  for (const Corner& c : sorted_) {
+    uint8_t* mark = cover.At(c);
+    if (*mark) {
+      covered_.push_back(c);
       continue;
     }
-    low = cell_px;
-    corners->assign(picked_.begin(), picked_.begin() + wanted);
-    if (count < limit) break;
+    cover.MarkAround(mark);
+    uint8_t* taken = cells.At(c);
+    if (*taken) {
+      uncovered_.push_back(c);
+    } else {
+      *taken = 1;
+      corners->push_back(c);
+      if (corners->size() == limit) return;
+    }
+  }
+  for (const std::vector<Corner>* rest : {&uncovered_, &covered_}) {
+    const size_t n = std::min(limit - corners->size(), rest->size());
+    corners->insert(corners->end(), rest->begin(), rest->begin() + static_cast<std::ptrdiff_t>(n));
   }
 }
 

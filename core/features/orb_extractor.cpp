@@ -1,10 +1,12 @@
 #include "core/features/orb_extractor.h"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <vector>
 
 #include "core/features/corner_detector.h"
+#include "core/features/corner_refinement.h"
 #include "core/features/image_pyramid.h"
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
@@ -12,6 +14,10 @@
 
 namespace vpslam {
 namespace {
+
+/// Key points keep this distance from the border of their level: the discs for orientation and
+/// descriptor must lie inside, the latter after rounding.
+constexpr int kMargin_px = std::max(kOrientationRadius_px, kPatternRadius_px) + 1;
 
 /// Adds the time it lives to a sum of ms.
 class Stopwatch {
@@ -50,7 +56,7 @@ std::optional<std::string> OrbOptions::Validate() const {
     return "fast_threshold_low must lie in 1 to fast_threshold";
   }
   if (cell_px < 8 || cell_px > 1024) return "cell_px must lie in 8 to 1024";
-  return std::nullopt;
+  return distribution.Validate();
 }
 
 class OrbExtractor::Impl {
@@ -60,12 +66,15 @@ class OrbExtractor::Impl {
         options_(Validated(options)),
         bounds_(camera_.UndistortedBounds()),
         scales_(options_.num_levels, options_.scale_factor),
-        pyramid_(camera_.width, camera_.height, scales_, 2 * kDescriptorMargin_px + 1),
+        pyramid_(camera_.width, camera_.height, scales_, 2 * kMargin_px + 1),
         detector_({.threshold = options_.fast_threshold,
                    .threshold_low = options_.fast_threshold_low,
                    .cell_px = options_.cell_px,
-                   .margin_px = kDescriptorMargin_px}),
-        corners_(pyramid_.num_levels()) {}
+                   .margin_px = kMargin_px}),
+        distribution_(options_.distribution),
+        corners_(pyramid_.num_levels()),
+        smoothed_(pyramid_.AllocateAlike(&smoothed_buffer_)),
+        describer_(pyramid_.row_step(), kOrbPattern) {}
 
   Features Extract(const cv::Mat& image) {
     if (image.type() != CV_8UC1 || image.cols != camera_.width || image.rows != camera_.height) {
@@ -108,10 +117,12 @@ class OrbExtractor::Impl {
     std::vector<Corner>& corners = corners_[octave];
     std::vector<Keypoint> keypoints;
     {
-      const Stopwatch watch(&timings_.undistortion_ms);
+      const Stopwatch watch(&timings_.position_ms);
       std::erase_if(corners, [&](const Corner& c) {
-        const auto position = camera_.Undistort(
-            {pyramid_.ToLevelZeroX(octave, c.x), pyramid_.ToLevelZeroY(octave, c.y)});
+        const auto [dx, dy] = SubpixelOffset(level, c.x, c.y);
+        const auto position =
+            camera_.Undistort({pyramid_.ToLevelZeroX(octave, static_cast<float>(c.x) + dx),
+                               pyramid_.ToLevelZeroY(octave, static_cast<float>(c.y) + dy)});
         if (!position || !bounds_.Contains(*position)) return true;
         keypoints.push_back({.x_px = static_cast<float>(position->x()),
                              .y_px = static_cast<float>(position->y()),
@@ -128,11 +139,17 @@ class OrbExtractor::Impl {
         keypoints[i].angle_rad = angles_rad_[i];
       }
     }
+    cv::Mat& smoothed = smoothed_[octave];
+    {
+      const Stopwatch watch(&timings_.blur_ms);
+      SmoothForDescription(level, &smoothed);
+    }
     const Stopwatch watch(&timings_.description_ms);
-    const std::vector<Descriptor> descriptors = Describe(level, corners, angles_rad_);
+    for (size_t i = 0; i < corners.size(); ++i) {
+      features->descriptors.push_back(
+          describer_.Describe(smoothed.ptr<uint8_t>(corners[i].y) + corners[i].x, angles_rad_[i]));
+    }
     features->keypoints.insert(features->keypoints.end(), keypoints.begin(), keypoints.end());
-    features->descriptors.insert(features->descriptors.end(), descriptors.begin(),
-                                 descriptors.end());
   }
 
   Camera camera_;
@@ -143,6 +160,9 @@ class OrbExtractor::Impl {
   CornerDetector detector_;
   KeypointDistribution distribution_;
   std::vector<std::vector<Corner>> corners_;  ///< per level
+  cv::Mat smoothed_buffer_;
+  std::vector<cv::Mat> smoothed_;  ///< per level
+  OrbDescriber describer_;
   std::vector<float> angles_rad_;
   OrbTimings timings_;
 };

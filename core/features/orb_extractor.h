@@ -13,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
+#include "core/features/keypoint_distribution.h"
 #include "core/features/scale_levels.h"
 #include "core/geometry/camera.h"
 
@@ -25,7 +26,17 @@ struct OrbOptions {
   int fast_threshold = 20;     ///< grey levels by which a corner's arc differs from its centre
   int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level
+  DistributionOptions distribution = {};
 
+  template <class V>
+  void Visit(V& v) {
+    v("num_features", num_features);
+    v("num_levels", num_levels);
+    v("scale_factor", scale_factor);
+    v("fast_threshold", fast_threshold);
+    v("fast_threshold_low", fast_threshold_low);
+    v("cell_px", cell_px);
+  }
   std::optional<std::string> Validate() const;
 };
 
@@ -37,7 +48,7 @@ struct OrbTimings {
   double orientation_ms = 0;
   double blur_ms = 0;
   double description_ms = 0;
-  double undistortion_ms = 0;
+  double position_ms = 0;  ///< to fractions of pixels, undistorted
 };
 
 /// Holds the buffers between images, so one per thread.

@@ -36,7 +36,10 @@ std::vector<uint8_t> Encode(const Header& header, const T& value);
 template <class T>
 std::optional<Decoded<T>> Decode(std::span<const uint8_t> bytes, std::string* why);
 
-// Both exist for: Camera, ImageMessage, FrameFeatures, LineSet, FramePose, Truth, KeyframeProposal,
-// MapDelta, MapRequest, Ack, Command, ProcessStatus, Preview.
+/// Rewrites Header::oldest_seq in an encoded message, which is sent again as it is otherwise.
+void SetOldestSeq(std::vector<uint8_t>* bytes, int64_t oldest_seq);
+
+// Encode and Decode exist for: Camera, ImageMessage, FrameFeatures, LineSet, FramePose, Truth,
+// KeyframeProposal, MapDelta, MapRequest, Ack, Command, ProcessStatus, Preview.
 
 }  // namespace vpslam

@@ -34,7 +34,8 @@ class StatusReporter {
   Publisher<ProcessStatus> publisher_;
   ProcessStatus status_;
   std::chrono::steady_clock::time_point last_published_;
-  int64_t processed_at_last_ = 0;
+  std::chrono::steady_clock::time_point last_rated_ = std::chrono::steady_clock::now();
+  int64_t processed_at_last_ = 0;  // rating
   Bus::Registration timer_;
 };
 

@@ -125,6 +125,7 @@ TEST(Results, CountsFramesDroppedBeforeTheFirstTrackedOne) {
   EXPECT_EQ(frames["in"], 10);
   EXPECT_EQ(frames["dropped"], 6);
   EXPECT_EQ(frames["dropped_before_init"], 3);  // 0, 2 and 3
+  EXPECT_EQ(frames["tracked"], 0) << "their map is unknown, so no trajectory has them";
 }
 
 TEST(Results, OfAnEmptyRun) {

@@ -32,23 +32,28 @@ int OccupiedCells(const std::vector<Corner>& corners, int cell_px) {
   return static_cast<int>(cells.size());
 }
 
-TEST(KeypointDistribution, CoversTheImageEvenly) {
-  std::vector<Corner> corners = CrowdedCorners(4000, 1);
+TEST(KeypointDistribution, CoversTheWholeImage) {
+  const std::vector<Corner> all = CrowdedCorners(4000, 1);
+  std::vector<Corner> corners = all;
   KeypointDistribution().Select(kSize, 300, &corners);
   ASSERT_EQ(corners.size(), 300u);
-  // 300 squares would have 32 px; the 300 strongest corners occupy 15 of these 150 cells.
+  // Of 165 cells. The 300 strongest corners lie in 22 of them.
   EXPECT_GT(OccupiedCells(corners, 45), 130);
 }
 
-TEST(KeypointDistribution, KeepsTheStrongestOfANeighbourhood) {
+TEST(KeypointDistribution, PrefersTheStrong) {
   const std::vector<Corner> all = CrowdedCorners(4000, 2);
   std::vector<Corner> kept = all;
   KeypointDistribution().Select(kSize, 300, &kept);
-  // Nobody who was left out is stronger than all that were kept within 40 px around it.
+  int strong = 0;
+  for (const Corner& c : kept) strong += c.score >= 60;
+  EXPECT_GT(strong, 90);  // an even spread has 30 of them, in the left tenth
+  // Nobody who was left out is stronger than all that were kept around it: fair spacing is 32 px,
+  // cells are 39 px wide.
   for (const Corner& c : all) {
     int strongest = 0;
     for (const Corner& k : kept) {
-      if (std::abs(k.x - c.x) <= 40 && std::abs(k.y - c.y) <= 40) {
+      if (std::abs(k.x - c.x) <= 39 && std::abs(k.y - c.y) <= 39) {
         strongest = std::max(strongest, k.score);
       }
     }
@@ -56,16 +61,34 @@ TEST(KeypointDistribution, KeepsTheStrongestOfANeighbourhood) {
   }
 }
 
+TEST(KeypointDistribution, KeepsADistanceIfThereAreEnough) {
+  std::vector<Corner> corners = CrowdedCorners(4000, 3);
+  KeypointDistribution({.min_spacing = 0.4}).Select(kSize, 200, &corners);
+  // 0.4 x 39 px, less a cell by which the square may lie off centre.
+  for (size_t i = 0; i < corners.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      EXPECT_GT(
+          std::max(std::abs(corners[i].x - corners[j].x), std::abs(corners[i].y - corners[j].y)),
+          14);
+    }
+  }
+}
+
 TEST(KeypointDistribution, GivesExactlyTheNumberWantedIfItCan) {
   for (const int wanted : {0, 1, 2, 17, 250, 1999, 2000, 2001, 5000}) {
-    std::vector<Corner> corners = CrowdedCorners(2000, 3);
+    std::vector<Corner> corners = CrowdedCorners(2000, 4);
     KeypointDistribution().Select(kSize, wanted, &corners);
     EXPECT_EQ(static_cast<int>(corners.size()), std::min(wanted, 2000));
     std::set<std::pair<int, int>> distinct;
     for (const Corner& c : corners) distinct.insert({c.x, c.y});
     EXPECT_EQ(distinct.size(), corners.size());
-    for (size_t i = 1; i < corners.size(); ++i) EXPECT_GE(corners[i - 1].score, corners[i].score);
   }
+}
+
+TEST(DistributionOptions, ValidateNamesTheFault) {
+  EXPECT_FALSE(DistributionOptions().Validate());
+  EXPECT_TRUE(DistributionOptions{.min_spacing = -1}.Validate());
+  EXPECT_TRUE(DistributionOptions{.cell = 0}.Validate());
 }
 
 TEST(KeypointDistribution, NoCorners) {

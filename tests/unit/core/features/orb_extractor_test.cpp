@@ -175,7 +175,7 @@ TEST(OrbExtractor, WeakTextureIsCoveredToo) {
     (cell.first < 8 ? left_cells : right_cells).insert(cell);
   }
   EXPECT_GE(left_cells.size(), 85u);  // of 96
-  EXPECT_GE(right_cells.size(), 75u);
+  EXPECT_GE(right_cells.size(), 65u);
 }
 
 TEST(OrbExtractor, IsDeterministic) {
@@ -218,13 +218,13 @@ TEST(OrbExtractor, NoiseAndTwoValuedImages) {
 
 TEST(OrbExtractor, AllSizesFromTinyToPortrait) {
   for (const cv::Size size :
-       {cv::Size(16, 16), cv::Size(38, 38), cv::Size(39, 39), cv::Size(41, 300), cv::Size(97, 53),
+       {cv::Size(16, 16), cv::Size(32, 32), cv::Size(33, 33), cv::Size(41, 300), cv::Size(97, 53),
         cv::Size(480, 640), cv::Size(1241, 376), cv::Size(2000, 60)}) {
     const Camera camera = PinholeCamera(size.width, size.height);
     const Features features =
         OrbExtractor(camera, {}).Extract(TexturedImage(size.width, size.height, 7));
     ExpectSane(features, camera, {});
-    if (size.area() < 39 * 39) {
+    if (size.area() < 33 * 33) {
       EXPECT_EQ(features.size(), 0);
     }
     if (size.area() > 100000) {

@@ -1,0 +1,141 @@
+#include "core/transport/process.h"
+
+#include <atomic>
+#include <ctime>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <pthread.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "core/transport/version.h"
+
+namespace vpslam {
+namespace {
+
+BusOptions MakeBusOptions(const ProcessOptions& options) {
+  BusOptions bus;
+  bus.url = options.url;
+  bus.session = options.session;
+  return bus.WithEnvironment();
+}
+
+void SetUpLog(const ProcessOptions& options) {
+  auto logger = spdlog::stderr_logger_mt(options.name);
+  logger->set_pattern("%H:%M:%S.%e " + options.name + " %L %v");
+  spdlog::set_default_logger(std::move(logger));
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+}
+
+sigset_t StopSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+// Waits for the stop signals on a thread of its own, where everything may be called. They have to be
+// blocked in all threads.
+class SignalThread {
+ public:
+  explicit SignalThread(std::function<void()> handler)
+      : thread_([this, handler = std::move(handler)] {
+          const sigset_t signals = StopSignals();
+          int signal = 0;
+          while (sigwait(&signals, &signal) == 0 && !stop_) {
+            spdlog::info("stopping ({})", signal == SIGINT ? "SIGINT" : "SIGTERM");
+            handler();
+          }
+        }) {}
+  ~SignalThread() {
+    stop_ = true;
+    pthread_kill(thread_.native_handle(), SIGTERM);
+    thread_.join();
+  }
+  SignalThread(const SignalThread&) = delete;
+  SignalThread& operator=(const SignalThread&) = delete;
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace
+
+std::string GitCommit() { return VPSLAM_GIT_COMMIT; }
+
+std::string VersionLine() {
+  return fmt::format("{} (commit {}, protocol {})", VPSLAM_VERSION, GitCommit(), kProtocolVersion);
+}
+
+void AddProcessOptions(CLI::App& app, ProcessOptions* options) {
+  app.set_version_flag("--version", options->name + " " + VersionLine());
+  app.add_option("--url", options->url, "LCM URL of the graph")->capture_default_str();
+  app.add_option("--session", options->session, "session id of this process; 0 for a random one")
+      ->capture_default_str();
+  app.add_option("--log-level", options->log_level, "how much goes to standard error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}))
+      ->capture_default_str();
+  app.add_option("--require", options->required,
+                 "processes whose acknowledgements are waited for, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--pace", options->pace, "who waits for whom; lockstep drops nothing")
+      ->check(CLI::IsMember({"lockstep"}))
+      ->capture_default_str();
+}
+
+Process::Process(const ProcessOptions& process_options)
+    : options(process_options),
+      bus(MakeBusOptions(process_options)),
+      peers(bus),
+      status(bus, process_options.name) {}
+
+void Process::OnStopSignal(std::function<void()> handler) {
+  const std::lock_guard lock(mutex_);
+  stop_handler_ = std::move(handler);
+}
+
+void Process::HandleStopSignal() {
+  const std::lock_guard lock(mutex_);
+  if (signals_++ == 0 && stop_handler_) {
+    stop_handler_();
+  } else {
+    bus.Interrupt();
+  }
+}
+
+int RunProcess(CLI::App& app, int argc, char** argv, ProcessOptions* options,
+               const std::function<int(Process&)>& body) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  }
+  SetUpLog(*options);
+  try {
+    const sigset_t signals = StopSignals();
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // inherited by all threads
+    Process process(*options);
+    const SignalThread signal_thread([&process] { process.HandleStopSignal(); });
+    try {
+      const int code = body(process);
+      process.status.SetState(code == kExitOk ? ProcessState::kFinished : ProcessState::kFailed);
+      return code;
+    } catch (const std::exception& e) {
+      process.status.SetState(ProcessState::kFailed, e.what());
+      throw;
+    }
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    return kExitFailed;
+  }
+}
+
+}  // namespace vpslam

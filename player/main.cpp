@@ -1,0 +1,102 @@
+// player: plays a sequence of images into the graph, or renders a simulated one to files.
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <string>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "core/transport/process.h"
+#include "player/decode_ahead.h"
+#include "player/play.h"
+#include "player/render_to_folder.h"
+#include "player/source_factory.h"
+
+namespace {
+
+using namespace vpslam;
+
+std::atomic<bool> stop = false;  // outlives the thread that handles signals
+
+int Run(Process& process, const std::string& sequence, SourceOptions source_options,
+        PlayOptions play_options) {
+  process.OnStopSignal([&process] {
+    stop = true;
+    process.bus.Notify();
+  });
+  source_options.tell = [](const std::string& line) { spdlog::warn("{}", line); };
+  play_options.required = process.options.required;
+
+  DecodeAhead source(OpenSource(sequence, source_options));
+  const Camera& c = source.camera();
+  spdlog::info("playing {}: {} x {} px at {:g} Hz", sequence, c.width, c.height, c.fps);
+  const int64_t sent = Play(process.bus, process.peers, process.status, source, play_options, stop);
+  if (const std::string skipped = source.Summary(); !skipped.empty()) spdlog::warn("{}", skipped);
+  spdlog::info("sent {} images{}", sent, stop ? ", then stopped" : "");
+  return kExitOk;
+}
+
+/// Needs no graph and no network, so it has a command line of its own.
+int Render(int argc, char** argv) {
+  CLI::App app(
+      "Renders a simulated sequence to a folder in the layout of the TUM RGB-D benchmark.");
+  std::string scene, folder;
+  app.add_option("--render", scene,
+                 "sim:room or sim:corridor; with keys: sim:room?seed=1&frames=600&noise=1&"
+                 "distortion=0")
+      ->required();
+  app.add_option("--to", folder, "folder to write, new or empty")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  }
+  try {
+    simulator::Simulator simulator = simulator::Simulator::Create(scene);
+    RenderToFolder(simulator, folder, [&simulator](int written) {
+      if (written % 100 == 0 || written == simulator.frames()) {
+        spdlog::info("rendered {} of {} frames", written, simulator.frames());
+      }
+    });
+    spdlog::info("{} holds images, truth, camera.yaml, lines3d.txt and manhattan.txt", folder);
+    return kExitOk;
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    return kExitFailed;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (std::any_of(argv + 1, argv + argc,
+                  [](std::string_view arg) { return arg.starts_with("--render"); })) {
+    return Render(argc, argv);
+  }
+  CLI::App app("Plays a sequence of images into the VP-SLAM process graph.");
+  std::string sequence;
+  SourceOptions source_options;
+  PlayOptions play_options;
+  ProcessOptions options;
+  options.name = "player";
+  options.required = {"frontend"};
+  app.footer("player --render sim:room --to DIR writes a simulated sequence to files instead.");
+  app.add_option(
+         "sequence", sequence,
+         "folder with rgb.txt and camera.yaml (TUM RGB-D layout), or sim:room, sim:corridor")
+      ->required();
+  app.add_option("--camera", source_options.camera_file,
+                 "calibration file, instead of the sequence's camera.yaml");
+  app.add_option("--start", source_options.start, "leave out that many frames at the beginning")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--frames", source_options.max_frames, "end after that many frames; 0: play all")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--inline", play_options.inline_pixels,
+               "send pixels in the messages, for other hosts and logs, instead of shared memory");
+  AddProcessOptions(app, &options);
+  return RunProcess(app, argc, argv, &options, [&](Process& process) {
+    return Run(process, sequence, source_options, play_options);
+  });
+}

@@ -1,0 +1,172 @@
+#include "player/play.h"
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include "core/messages/command.h"
+#include "core/messages/truth.h"
+#include "core/transport/camera_link.h"
+#include "core/transport/channels.h"
+#include "core/transport/clock.h"
+#include "core/transport/image_message.h"
+#include "core/transport/image_pool.h"
+#include "core/transport/inbox.h"
+#include "core/transport/publisher.h"
+#include "core/transport/stream_writer.h"
+
+namespace vpslam {
+namespace {
+
+constexpr std::chrono::seconds kTellWaitingAfter{5};
+/// Stopped before all were there: those that are hear of the end, but nobody is waited for.
+constexpr std::chrono::seconds kPatienceWithTheUnready{1};
+/// How often a wait looks at whether it still makes sense.
+constexpr std::chrono::milliseconds kLookAround{200};
+
+class Player {
+ public:
+  Player(Bus& bus, Peers& peers, StatusReporter& status, ImageSource& source,
+         const PlayOptions& options, const std::atomic<bool>& stop)
+      : bus_(bus),
+        peers_(peers),
+        status_(status),
+        source_(source),
+        options_(options),
+        stop_(stop),
+        consumers_(RequiredConsumers(kImageConsumers, options.required)),
+        commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
+        camera_(bus, source.camera()),
+        truth_(bus, kTruthChannel),
+        images_(bus, kImageChannel, consumers_, Lockstep()) {
+    if (!options.inline_pixels) {
+      const Camera& c = source.camera();
+      pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), kWindow + 1,
+                                          static_cast<size_t>(c.width) * c.height);
+    }
+  }
+
+  int64_t Run() {
+    status_.SetState(ProcessState::kReady);
+    if (!WaitForConsumers()) {
+      images_.SendEnd();
+      images_.WaitAllAcked(kPatienceWithTheUnready);
+      return 0;
+    }
+    status_.SetState(ProcessState::kRunning);
+    const std::exception_ptr broken = SendImages();
+    End();
+    if (broken) std::rethrow_exception(broken);
+    return sent_;
+  }
+
+ private:
+  /// One image on its way at a time: the next goes out when all consumers are done with it.
+  static constexpr int kWindow = 1;
+  static StreamWriterOptions Lockstep() {
+    StreamWriterOptions options;
+    options.window = kWindow;
+    return options;
+  }
+
+  bool Stopping() {
+    while (const auto command = commands_.TryTake()) {
+      const Command& c = command->value;
+      stopped_ |= c.action == CommandAction::kStop && (c.target.empty() || c.target == "player");
+    }
+    stopped_ |= stop_ || bus_.interrupted();
+    return stopped_;
+  }
+
+  void ThrowIfAnyoneIsGone() const {
+    for (const std::string& process : options_.required) {
+      if (const auto why = peers_.WhyGone(process)) throw PeerGoneError(*why);
+    }
+  }
+
+  /// False if the run was stopped before all were ready.
+  bool WaitForConsumers() {
+    const auto ready = [this] { return Stopping() || peers_.NotReady(options_.required).empty(); };
+    while (!bus_.WaitFor(ready, kTellWaitingAfter) && !Stopping()) {
+      ThrowIfAnyoneIsGone();
+      spdlog::info("waiting for {} to be ready",
+                   fmt::join(peers_.NotReady(options_.required), ", "));
+    }
+    return !Stopping();
+  }
+
+  /// Sleeps until the consumers are done with all that was sent; false if interrupted.
+  bool WaitUntilConsumed() {
+    while (!images_.WaitAllAcked(kLookAround)) {
+      if (bus_.interrupted()) return false;
+      ThrowIfAnyoneIsGone();
+    }
+    return true;
+  }
+
+  /// What the source broke down with, if it did.
+  std::exception_ptr SendImages() {
+    while (!Stopping()) {
+      std::optional<SourceFrame> frame;
+      try {
+        frame = source_.Next();
+      } catch (const std::exception&) {
+        return std::current_exception();
+      }
+      // Before the time of publishing is taken: it is not to include the wait.
+      if (!frame || !WaitUntilConsumed() || Stopping()) break;
+      if (!SendImage(*frame)) break;
+    }
+    return nullptr;
+  }
+
+  bool SendImage(const SourceFrame& frame) {
+    if (const auto world_from_cam = source_.WorldFromCam(frame.stamp_us)) {
+      truth_.Publish({sent_, frame.stamp_us, *world_from_cam});
+    }
+    ImageFrame image;
+    image.frame_seq = sent_;
+    image.stamp_us = frame.stamp_us;
+    image.published_us = MonotonicMicroseconds();
+    image.decode_ms = frame.decode_ms;
+    image.pixels = frame.grey;
+    if (!images_.Send(pool_ ? pool_->Store(image) : InlineImage(image))) return false;
+    ++sent_;
+    status_.AddProcessed();
+    return true;
+  }
+
+  void End() {
+    if (WaitUntilConsumed() && images_.SendEnd() && WaitUntilConsumed()) return;
+    spdlog::warn("interrupted before the end of the sequence was acknowledged");
+  }
+
+  Bus& bus_;
+  Peers& peers_;
+  StatusReporter& status_;
+  ImageSource& source_;
+  const PlayOptions options_;
+  const std::atomic<bool>& stop_;
+  const std::vector<std::string> consumers_;
+  Inbox<Command> commands_;
+  CameraBeacon camera_;
+  Publisher<Truth> truth_;
+  StreamWriter<ImageMessage> images_;
+  std::unique_ptr<ImagePool> pool_;
+  int64_t sent_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+int64_t Play(Bus& bus, Peers& peers, StatusReporter& status, ImageSource& source,
+             const PlayOptions& options, const std::atomic<bool>& stop) {
+  return Player(bus, peers, status, source, options, stop).Run();
+}
+
+}  // namespace vpslam

@@ -1,0 +1,30 @@
+// The player's work in the graph: sends a source's images, in lockstep with those who need them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/transport/bus.h"
+#include "core/transport/peers.h"
+#include "core/transport/status_reporter.h"
+#include "player/image_source.h"
+
+namespace vpslam {
+
+struct PlayOptions {
+  /// Processes that have to be ready before the first frame; those of them that consume images are
+  /// waited for after each.
+  std::vector<std::string> required;
+  bool inline_pixels = false;  ///< in the message itself instead of shared memory
+};
+
+/// Sends CAMERA, TRUTH and IMAGE until the source ends, or `stop` is set, or COMMAND kStop comes;
+/// then the end-of-stream marker. Returns the number of images sent. A source that breaks down
+/// still ends the stream, then its error is thrown on. Throws PeerGoneError if a required process
+/// is gone.
+int64_t Play(Bus& bus, Peers& peers, StatusReporter& status, ImageSource& source,
+             const PlayOptions& options, const std::atomic<bool>& stop);
+
+}  // namespace vpslam

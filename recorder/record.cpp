@@ -1,0 +1,169 @@
+#include "recorder/record.h"
+
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "core/messages/command.h"
+#include "core/messages/map_request.h"
+#include "core/transport/channels.h"
+#include "core/transport/inbox.h"
+#include "core/transport/publisher.h"
+#include "core/transport/stream_reader.h"
+#include "recorder/progress.h"
+#include "recorder/results.h"
+#include "recorder/run_record.h"
+
+namespace vpslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kProgressInterval{200};
+/// A request for a snapshot is repeated when nothing fitting came for so long.
+constexpr milliseconds kAskAgainAfter{1000};
+/// The last statuses, with what each process used in all, follow closely upon the streams' ends.
+constexpr milliseconds kWaitForStatuses{1000};
+/// Ctrl-C in a terminal reaches all processes at once: the streams then end in good order.
+constexpr milliseconds kWaitForEndWhenStopped{1000};
+
+}  // namespace
+
+class Recorder::Impl {
+ public:
+  Impl(Bus& bus, StatusReporter& status, const ResultsFolder& folder, const RunInfo& info,
+       std::function<void(const std::string&)> progress)
+      : bus_(bus),
+        status_(status),
+        folder_(folder),
+        info_(info),
+        progress_(std::move(progress)),
+        // Acknowledged on receipt: the recorder holds up nobody.
+        poses_(bus, kPoseChannel, "recorder", AckPolicy::kOnReceipt),
+        deltas_(bus, kMapChannel, "recorder", AckPolicy::kOnReceipt),
+        statuses_(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded),
+        commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
+        requests_(bus, kMapRequestChannel) {}
+
+  bool Run(const std::atomic<bool>& stop) {
+    status_.SetState(ProcessState::kReady);
+    std::optional<Clock::time_point> give_up;
+    while (!Ended() && !bus_.interrupted()) {
+      if (!give_up && (stop || stopped_)) give_up = Clock::now() + kWaitForEndWhenStopped;
+      if (give_up && Clock::now() >= *give_up) break;
+      bus_.WaitFor([&] { return HasWork() || Ended() || (stop && !give_up); }, kProgressInterval);
+      Work();
+      ShowProgress(false);
+    }
+    const bool complete = Ended();
+    bus_.WaitFor(
+        [this] {
+          TakeStatuses();
+          return OthersFinished();
+        },
+        kWaitForStatuses);
+    Write();
+    ShowProgress(true);
+    return complete;
+  }
+
+ private:
+  bool Ended() const { return poses_.Ended() && deltas_.Ended(); }
+  bool HasWork() const {
+    return poses_.HasMessage() || deltas_.HasMessage() || statuses_.HasMessage() ||
+           commands_.HasMessage();
+  }
+
+  void Work() {
+    while (const auto item = poses_.TryTake()) {
+      if (run_.frames().empty()) status_.SetState(ProcessState::kRunning);
+      run_.Add(item->value);
+      status_.AddProcessed();
+    }
+    while (const auto item = deltas_.TryTake()) Apply(item->value);
+    TakeStatuses();
+    while (const auto command = commands_.TryTake()) Obey(command->value);
+  }
+
+  void Apply(const MapDelta& delta) {
+    if (run_.Apply(delta)) {
+      asked_.reset();
+      return;
+    }
+    const auto now = Clock::now();
+    if (asked_ && now < *asked_ + kAskAgainAfter) return;
+    asked_ = now;
+    spdlog::info("map delta {} -> {} does not fit version {}: asking for a snapshot",
+                 delta.base_version, delta.version, run_.map().version());
+    requests_.Publish({"recorder", run_.map().version()});
+  }
+
+  void TakeStatuses() {
+    while (const auto message = statuses_.TryTake()) run_.Add(message->value);
+  }
+
+  bool OthersFinished() const {
+    for (const auto& [key, status] : run_.processes()) {
+      if (status.process != "recorder" && status.state != ProcessState::kFinished &&
+          status.state != ProcessState::kFailed) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void Obey(const Command& command) {
+    if (!command.target.empty() && command.target != "recorder") return;
+    if (command.action == CommandAction::kStop) {
+      // Without a target it concerns the player, and the streams will end.
+      stopped_ |= command.target == "recorder";
+    } else if (command.action == CommandAction::kSaveNow) {
+      try {
+        Write();
+      } catch (const std::exception& e) {
+        spdlog::error("{}", e.what());  // the run goes on; there may be space in the end
+      }
+    }
+  }
+
+  void Write() {
+    run_.Add(status_.Snapshot());
+    WriteResults(run_, info_, folder_);
+    spdlog::info("results of {} frames are in {}", run_.frames().size(), folder_.path());
+  }
+
+  void ShowProgress(bool now) {
+    if (!progress_ || (!now && Clock::now() < shown_ + kProgressInterval)) return;
+    shown_ = Clock::now();
+    progress_(ProgressLine(run_));
+  }
+
+  Bus& bus_;
+  StatusReporter& status_;
+  const ResultsFolder folder_;
+  const RunInfo info_;
+  const std::function<void(const std::string&)> progress_;
+  StreamReader<FramePose> poses_;
+  StreamReader<MapDelta> deltas_;
+  Inbox<ProcessStatus> statuses_;
+  Inbox<Command> commands_;
+  Publisher<MapRequest> requests_;
+  RunRecord run_;
+  std::optional<Clock::time_point> asked_;  ///< when a snapshot was asked for that has not come
+  Clock::time_point shown_;
+  bool stopped_ = false;
+};
+
+Recorder::Recorder(Bus& bus, StatusReporter& status, const ResultsFolder& folder,
+                   const RunInfo& info, std::function<void(const std::string&)> progress)
+    : impl_(std::make_unique<Impl>(bus, status, folder, info, std::move(progress))) {}
+
+Recorder::~Recorder() = default;
+
+bool Recorder::Run(const std::atomic<bool>& stop) { return impl_->Run(stop); }
+
+}  // namespace vpslam
