@@ -18,6 +18,8 @@ std::optional<VpLine> MakeVpLine(const Camera& camera, const Eigen::Vector2d& st
   const double size = cross.norm();
   if (!(size > 1e-12)) return std::nullopt;
   line.normal = cross / size;
+  line.middle = 0.5 * (p + q).head<2>();
+  line.direction = (q - p).head<2>().normalized();
   // One standard deviation across the segment, on the plane z = 1.
   const Eigen::Vector2d across = sigma_px / line.length_px * Eigen::Vector2d(-along.y(), along.x());
   const Eigen::Vector3d step(across.x() / camera.fx, across.y() / camera.fy, 0);

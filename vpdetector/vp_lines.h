@@ -26,9 +26,10 @@ struct VpLine {
   /// segment by one standard deviation.
   Eigen::Vector3d noise_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d noise_b = Eigen::Vector3d::Zero();
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();      ///< on the plane z = 1
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< on that plane, unit
   double length_px = 0;
-  /// 1 for the longest of several segments on one line (both sides of a moulding, say), whose
-  /// errors are not independent; less for the others.
+  /// 1, or less for one of several segments on one line, whose errors are not independent.
   double weight = 1;
   int32_t source = -1;  ///< index of the segment it came from
 

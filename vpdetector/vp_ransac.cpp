@@ -7,26 +7,10 @@
 
 #include <Eigen/Geometry>
 
+#include "vpdetector/random.h"
+
 namespace vpslam {
 namespace {
-
-/// SplitMix64: the same numbers with every standard library, which the distributions of <random>
-/// do not promise.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  uint64_t Next() {
-    state_ += 0x9e3779b97f4a7c15ULL;
-    uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31);
-  }
-  double Uniform() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
-
- private:
-  uint64_t state_;
-};
 
 /// The lines as columns, in single precision, for a loop that the compiler turns into SIMD.
 struct ScoredLines {
@@ -111,7 +95,7 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
     }
   }
 
-  Random random(options.seed);
+  SplitMix64 random(options.seed);
   const auto draw = [&]() -> const VpLine& {
     const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1,
                                      random.Uniform() * sum);
@@ -151,10 +135,11 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
     });
     if (known) continue;
     tried.push_back(h.r);
-    ManhattanFit fit = RefineManhattan(lines, h.r, model);
+    // A few rounds tell which one is the best; only that one is worth going on with.
+    ManhattanFit fit = RefineManhattan(lines, h.r, model, 3);
     if (!best || fit.score > best->score) best = std::move(fit);
   }
-  return best;
+  return RefineManhattan(lines, best->cam_from_manhattan, model);
 }
 
 }  // namespace vpslam

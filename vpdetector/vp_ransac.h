@@ -18,9 +18,9 @@
 namespace vpslam {
 
 struct VpRansacOptions {
-  int num_hypotheses = 500;
+  int num_hypotheses = 400;
   /// Hypotheses that are refined before the best is chosen.
-  int num_refined = 5;
+  int num_refined = 4;
   /// Those differ from each other by at least this.
   double min_difference_deg = 2.0;
   /// Only as many lines are looked at, the longest.

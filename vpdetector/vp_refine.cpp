@@ -18,19 +18,26 @@ constexpr double kNoInformation = 4.0 / (std::numbers::pi * std::numbers::pi);
 struct NormalEquations {
   Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  double lines = 0;    ///< sum of weights
+  double squares = 0;  ///< weighted sum of squared normalised residuals
 
   void Add(const VpLine& line, const Eigen::Vector3d& d, double weight, double variance) {
-    const Eigen::Vector3d jacobian = d.cross(line.normal);
+    const Eigen::Vector3d jacobian = ResidualJacobian(line.normal, d);
+    const double residual = line.normal.dot(d);
     const double information = weight / variance;
     h += information * jacobian * jacobian.transpose();
-    g += information * line.normal.dot(d) * jacobian;
+    g += information * residual * jacobian;
+    lines += weight;
+    squares += information * residual * residual;
   }
   Eigen::Vector3d Step() const {
     // The little added holds what no line sees, a rotation about the only axis in view.
     return -(h + kNoInformation * Eigen::Matrix3d::Identity()).ldlt().solve(g);
   }
-  Eigen::Matrix3d Covariance() const {
-    return (h + kNoInformation * Eigen::Matrix3d::Identity()).inverse();
+  Eigen::Matrix3d Covariance(const VpModel& model) const {
+    const double scale =
+        (squares + model.prior_lines) / std::max(1.0, lines + model.prior_lines - 3.0);
+    return (h / scale + kNoInformation * Eigen::Matrix3d::Identity()).inverse();
   }
 };
 
@@ -73,6 +80,7 @@ std::optional<std::string> VpModel::Validate() const {
     return "world_sigma_deg must lie in 0.01 to 10";
   }
   if (!(inlier_ratio > 0 && inlier_ratio < 1)) return "inlier_ratio must lie between 0 and 1";
+  if (!(prior_lines >= 4)) return "prior_lines must be at least 4";
   return std::nullopt;
 }
 
@@ -95,7 +103,7 @@ ManhattanFit LabelLines(const std::vector<VpLine>& lines, const Eigen::Matrix3d&
     fit.score += line.weight * label.score;
     equations.Add(line, cam_from_manhattan.col(label.axis), line.weight, label.variance);
   }
-  fit.covariance_rad2 = equations.Covariance();
+  fit.covariance_rad2 = equations.Covariance(model);
   return fit;
 }
 
@@ -115,7 +123,7 @@ ManhattanFit RefineManhattan(const std::vector<VpLine>& lines, const Eigen::Matr
     }
     const Eigen::Vector3d step = equations.Step();
     q = (ExpSo3(step) * q).normalized();
-    if (step.squaredNorm() < 1e-12) break;
+    if (step.squaredNorm() < 1e-10) break;  // 0.0006 degrees
   }
   return LabelLines(lines, q.toRotationMatrix(), model);
 }
@@ -135,7 +143,7 @@ ManhattanFit FitLabelledLines(const std::vector<VpLine>& lines, const std::vecto
       equations.Add(lines[i], d, lines[i].weight,
                     lines[i].EndPointVariance(d) + model.WorldVariance());
     }
-    fit.covariance_rad2 = equations.Covariance();
+    fit.covariance_rad2 = equations.Covariance(model);
     const Eigen::Vector3d step = equations.Step();
     q = (ExpSo3(step) * q).normalized();
     if (step.squaredNorm() < 1e-18) break;

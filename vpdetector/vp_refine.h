@@ -29,6 +29,10 @@ struct VpModel {
   double world_sigma_deg = 0.5;
   /// Share of the lines that are expected to belong to one given axis.
   double inlier_ratio = 0.25;
+  /// Covariances are scaled by how well the image's own lines fit, s^2 = (sum of r^2 + n0) / (n + n0
+  /// - 3): some places are built more exactly than others. n0 is how many lines' worth of belief in
+  /// the sigmas above there is to begin with.
+  double prior_lines = 5.0;
 
   double WorldVariance() const;
   /// ln(2 inlier_ratio / (sqrt(2 pi) sigma)); what a line that fits exactly adds to the score.
@@ -37,12 +41,17 @@ struct VpModel {
   std::optional<std::string> Validate() const;
 };
 
+/// Derivative of normal . d by the left perturbation w of R, where d is a column of R.
+inline Eigen::Vector3d ResidualJacobian(const Eigen::Vector3d& normal, const Eigen::Vector3d& d) {
+  return d.cross(normal);
+}
+
 /// Score of a line for direction d; <= 0 means that it does not belong to it.
 double LineScore(const VpLine& line, const Eigen::Vector3d& d, const VpModel& model);
 
 struct ManhattanFit {
   Eigen::Matrix3d cam_from_manhattan = Eigen::Matrix3d::Identity();
-  /// Of the left perturbation, H^-1; directions that no line holds have a variance of (90 deg)^2.
+  /// Of the left perturbation, s^2 H^-1; what no line holds has a standard deviation of 90 degrees.
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
   std::vector<int32_t> labels;  ///< per line 0 to 2, or -1
   double score = 0;             ///< sum over labelled lines
@@ -56,7 +65,8 @@ ManhattanFit LabelLines(const std::vector<VpLine>& lines, const Eigen::Matrix3d&
 ManhattanFit RefineManhattan(const std::vector<VpLine>& lines, const Eigen::Matrix3d& start,
                              const VpModel& model, int max_iterations = 10);
 
-/// The same for given labels that are trusted: no line is weighed down.
+/// The same for given labels (0 to 2, or -1) that are trusted: no line is weighed down. `score` is
+/// left at 0.
 ManhattanFit FitLabelledLines(const std::vector<VpLine>& lines, const std::vector<int32_t>& labels,
                               const Eigen::Matrix3d& start, const VpModel& model);
 

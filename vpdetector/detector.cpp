@@ -1,0 +1,95 @@
+#include "vpdetector/detector.h"
+
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace vpslam {
+namespace {
+
+double Now_ms() {
+  return std::chrono::duration<double, std::milli>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// The way of a segment through the distorted image.
+LinePath DistortedPath(const Camera& camera, const EdgeSegment& s) {
+  if (!camera.HasDistortion()) return {s.start_px, s.end_px};
+  constexpr double kPiece_px = 16;  // a lens bends that little by less than a tenth of a px
+  const int pieces = 1 + static_cast<int>(s.Length() / kPiece_px);
+  LinePath path;
+  path.reserve(static_cast<size_t>(pieces) + 1);
+  for (int i = 0; i <= pieces; ++i) {
+    const double f = static_cast<double>(i) / pieces;
+    path.push_back(camera.Distort((1 - f) * s.start_px + f * s.end_px));
+  }
+  return path;
+}
+
+}  // namespace
+
+std::optional<std::string> DetectorOptions::Validate() const {
+  if (const auto why = lines.Validate()) return "lines: " + *why;
+  if (const auto why = descriptors.Validate()) return "descriptors: " + *why;
+  if (const auto why = vps.Validate()) return "vps: " + *why;
+  return std::nullopt;
+}
+
+Detector::Detector(const Camera& camera, const DetectorOptions& options)
+    : camera_(camera), options_(options) {
+  if (const auto why = camera.Validate()) throw std::invalid_argument("camera: " + *why);
+  if (const auto why = options.Validate()) throw std::invalid_argument(*why);
+}
+
+LineSet Detector::Detect(const cv::Mat& gray) const {
+  if (gray.type() != CV_8UC1) throw std::invalid_argument("the image is not 8-bit grey");
+  if (gray.cols != camera_.width || gray.rows != camera_.height) {
+    throw std::invalid_argument("the image has " + std::to_string(gray.cols) + " x " +
+                                std::to_string(gray.rows) + " px, the camera file says " +
+                                std::to_string(camera_.width) + " x " +
+                                std::to_string(camera_.height));
+  }
+  LineSet result;
+  const double t0 = Now_ms();
+  const std::vector<EdgeSegment> segments = ExtractLines(gray, camera_, options_.lines);
+  const double t1 = Now_ms();
+
+  // The longest come first.
+  std::vector<LinePath> paths;
+  for (const EdgeSegment& s : segments) {
+    if (s.Length() < options_.descriptors.min_length_px ||
+        static_cast<int>(paths.size()) >= options_.descriptors.max_lines) {
+      break;
+    }
+    paths.push_back(DistortedPath(camera_, s));
+  }
+  const std::vector<Descriptor> descriptors = DescribeLines(gray, paths, options_.descriptors);
+  const double t2 = Now_ms();
+
+  const VpEstimate vps = EstimateVanishingPoints(segments, camera_, options_.vps);
+  const double t3 = Now_ms();
+
+  result.lines.resize(segments.size());
+  for (size_t i = 0; i < segments.size(); ++i) {
+    LineSegment& line = result.lines[i];
+    line.start_px = segments[i].start_px.cast<float>();
+    line.end_px = segments[i].end_px.cast<float>();
+    line.sigma_px = static_cast<float>(segments[i].sigma_px);
+    line.has_descriptor = i < descriptors.size();
+    if (line.has_descriptor) line.descriptor = descriptors[i];
+    line.label = vps.labels[i];
+  }
+  result.vanishing_points = vps.vanishing_points;
+  result.manhattan = vps.state;
+  if (vps.state != ManhattanState::kNone) {
+    result.cam_from_manhattan = Eigen::Quaterniond(vps.cam_from_manhattan).normalized();
+    result.covariance_rad2 = vps.covariance_rad2;
+  }
+  result.lines_ms = t1 - t0;
+  result.descriptors_ms = t2 - t1;
+  result.vps_ms = t3 - t2;
+  return result;
+}
+
+}  // namespace vpslam
