@@ -17,7 +17,7 @@ namespace vpslam {
 
 class Mapper {
  public:
-  Mapper(const Camera& camera, const MapperOptions& options, uint64_t seed);
+  Mapper(const Camera& camera, const MapperOptions& options);
   ~Mapper();
 
   /// Works the keyframe into the map. The last part has `answers` set to the keyframe's id.

@@ -20,6 +20,7 @@ class Tracker {
  public:
   /// What one step brings, to be published in this order.
   struct Output {
+    /// Of the image, and of earlier ones that could be placed only now (their `live` is false).
     std::vector<FramePose> poses;
     /// At most two (a new map starts with two). In lockstep, nothing more goes into the tracker
     /// until the map delta that answers the last of them was applied.
@@ -34,9 +35,8 @@ class Tracker {
   /// Returns false if the delta does not fit the version that the replica has: ask for a snapshot.
   bool Apply(const MapDelta& delta);
 
-  /// Poses of earlier frames that could be found only now (tracked backwards from a new map); to be
-  /// called after the answer to a proposal was applied. Their `live` is false.
-  std::vector<FramePose> TakeLatePoses();
+  /// To be called when no more images come: poses of earlier frames that are still owed.
+  Output Finish();
 
   int64_t map_version() const;
 

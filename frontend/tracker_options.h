@@ -4,11 +4,60 @@
 #include <optional>
 #include <string>
 
+#include "core/estimation/pose_optimizer.h"
+#include "core/features/orb_extractor.h"
+#include "core/geometry/two_view.h"
+
 namespace vpslam {
 
+/// The first map, from two views.
+struct InitializerOptions {
+  int min_features = 100;   ///< an image with fewer cannot be one of the two views
+  int min_matches = 100;    ///< with fewer, the reference view is given up for the present one
+  int max_frames = 60;      ///< ... and also after as many frames without success
+  TwoViewOptions two_view;
+};
+
+/// Search for what the last frame saw.
+struct MotionTrackingOptions {
+  double window_px = 15;    ///< x scale of the octave; doubled when too little is found
+  int min_matches = 20;     ///< fewer: double the window
+  int max_distance = 100;   ///< Hamming
+  int min_inliers = 10;     ///< fewer: the motion model has failed
+};
+
+/// Search for the rest of the local map.
+struct LocalMapOptions {
+  int max_keyframes = 80;
+  int neighbours = 10;        ///< of each keyframe that sees the same points
+  int max_distance = 100;     ///< Hamming
+  double ratio = 0.8;
+  double radius_px = 4.0;     ///< x scale of the octave
+  double radius_frontal_px = 2.5;  ///< when seen from nearly the mean viewing direction
+  int min_inliers = 30;       ///< fewer: the frame is lost
+  int min_inliers_after_loss = 50;
+};
+
+/// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
+struct KeyframePolicyOptions {
+  double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
+  int min_frames = 2;              ///< since the last keyframe
+  int min_inliers = 15;
+};
+
 struct TrackerOptions {
-  int num_features = 1000;         ///< ORB features per frame
-  int num_features_to_start = 2000;  ///< while there is no map
+  OrbOptions orb;
+  int num_features_to_start = 2000;  ///< per image, while there is no map
+  InitializerOptions initializer;
+  MotionTrackingOptions motion;
+  LocalMapOptions local_map;
+  KeyframePolicyOptions keyframes;
+  PoseOptimizerOptions pose;
+  /// A map that is lost before it has as many keyframes was started wrongly, and is given up.
+  int probation_keyframes = 6;
+  /// Frames kept, as features, to be placed in the map later.
+  int max_buffered_frames = 300;
+  int late_frames_per_frame = 2;  ///< how many of these are worked on beside each new frame
 
   std::optional<std::string> Validate() const;
 };

@@ -1,0 +1,76 @@
+#include "backend/culling.h"
+
+namespace vpslam {
+
+void PointProbation::Add(PointId point, int keyframe_count) {
+  records_[point].created_at = keyframe_count;
+}
+
+void PointProbation::Count(const PointSighting& sighting) {
+  const auto at = records_.find(sighting.point);
+  if (at == records_.end()) return;
+  at->second.visible += sighting.visible;
+  at->second.found += sighting.found;
+}
+
+void PointProbation::Cull(int keyframe_count, Map* map) {
+  for (auto at = records_.begin(); at != records_.end();) {
+    const auto& [id, record] = *at;
+    const MapPoint* point = map->Find(id);
+    const int age = keyframe_count - record.created_at;
+    bool done = !point || age > options_.probation_keyframes;
+    if (point) {
+      const auto observations = static_cast<int>(point->observations.size());
+      const bool missed = record.found < options_.min_found_ratio * record.visible;
+      const bool lonely = age >= options_.probation_keyframes - 1 &&
+                          observations < options_.min_observations;
+      if (missed || lonely) {
+        map->Erase(id);
+        done = true;
+      }
+    }
+    at = done ? records_.erase(at) : std::next(at);
+  }
+}
+
+namespace {
+
+int OctaveOf(const Observation& o, const KeyframeStore& store) {
+  return store.at(o.keyframe).features.keypoints[o.feature].octave;
+}
+
+bool IsRedundant(const Keyframe& keyframe, const KeyframeStore& store,
+                 const CullingOptions& options, const Map& map) {
+  int points = 0, redundant = 0;
+  for (size_t i = 0; i < keyframe.points.size(); ++i) {
+    const MapPoint* point = map.Find(keyframe.points[i]);
+    if (!point) continue;
+    ++points;
+    if (static_cast<int>(point->observations.size()) <= options.min_other_observers) continue;
+    const int octave = store.at(keyframe.id).features.keypoints[i].octave;
+    int others = 0;
+    for (const Observation& o : point->observations) {
+      if (o.keyframe != keyframe.id && OctaveOf(o, store) <= octave + 1) ++others;
+      if (others >= options.min_other_observers) break;
+    }
+    redundant += others >= options.min_other_observers;
+  }
+  return redundant > options.max_redundant_share * points;
+}
+
+}  // namespace
+
+int CullKeyframes(KeyframeId id, const KeyframeStore& store, const CullingOptions& options,
+                  Map* map) {
+  int culled = 0;
+  for (const auto& [other, shared] : map->Covisible(id, 1)) {
+    const Keyframe& keyframe = *map->Find(other);
+    if (!keyframe.parent.IsValid()) continue;
+    if (!IsRedundant(keyframe, store, options, *map)) continue;
+    map->Cull(other);
+    ++culled;
+  }
+  return culled;
+}
+
+}  // namespace vpslam

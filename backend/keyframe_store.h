@@ -1,0 +1,19 @@
+// What the backend keeps of each keyframe beside the map itself: its features.
+#pragma once
+
+#include <map>
+
+#include "core/features/feature_grid.h"
+#include "core/features/features.h"
+#include "core/map/ids.h"
+
+namespace vpslam {
+
+struct KeyframeFeatures {
+  Features features;
+  FeatureGrid grid;
+};
+
+using KeyframeStore = std::map<KeyframeId, KeyframeFeatures>;
+
+}  // namespace vpslam

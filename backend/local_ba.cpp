@@ -1,0 +1,183 @@
+#include "backend/local_ba.h"
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <set>
+
+#include <ceres/ceres.h>
+
+#include "backend/point_view.h"
+#include "core/estimation/point_cost.h"
+#include "core/estimation/point_residual.h"
+#include "core/estimation/robust.h"
+#include "core/estimation/se3_manifold.h"
+
+namespace vpslam {
+namespace {
+
+struct Window {
+  std::set<KeyframeId> moved;
+  std::set<KeyframeId> fixed;
+  std::set<PointId> points;
+};
+
+Window ChooseWindow(KeyframeId id, const LocalBaOptions& options, const Map& map) {
+  Window window;
+  window.moved.insert(id);
+  for (const auto& [other, shared] : map.Covisible(id, options.min_shared_points)) {
+    if (static_cast<int>(window.moved.size()) >= options.max_keyframes) break;
+    window.moved.insert(other);
+  }
+  std::map<KeyframeId, int> others;
+  for (const KeyframeId keyframe : window.moved) {
+    for (const PointId point_id : map.Find(keyframe)->points) {
+      const MapPoint* point = map.Find(point_id);
+      if (!point || !window.points.insert(point_id).second) continue;
+      for (const Observation& o : point->observations) {
+        if (!window.moved.contains(o.keyframe)) ++others[o.keyframe];
+      }
+    }
+  }
+  std::vector<std::pair<int, KeyframeId>> ranked;
+  for (const auto& [other, count] : others) ranked.emplace_back(-count, other);
+  std::sort(ranked.begin(), ranked.end());
+  for (const auto& [count, other] : ranked) {
+    if (static_cast<int>(window.fixed.size()) >= options.max_fixed_keyframes) break;
+    window.fixed.insert(other);
+  }
+  // Without others to measure from, the map's first keyframe holds the gauge (the scale is held by
+  // the damping alone: it is free, and nothing pulls at it).
+  if (window.fixed.empty()) {
+    const KeyframeId first = *window.moved.begin();
+    window.moved.erase(first);
+    window.fixed.insert(first);
+  }
+  return window;
+}
+
+class Adjustment {
+ public:
+  Adjustment(const Window& window, const Camera& camera, const ScalePyramid& scales,
+             const KeyframeStore& store, const Map& map)
+      : window_(window), camera_(camera), scales_(scales), problem_(ProblemOptions()),
+        ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
+    for (const auto& ids : {window.moved, window.fixed}) {
+      for (const KeyframeId id : ids) poses_[id] = ToParameters(map.Find(id)->cam_from_world);
+    }
+    for (const PointId id : window.points) AddPoint(*map.Find(id), store);
+  }
+
+  BaSummary Solve(int max_iterations) {
+    for (auto& [id, pose] : poses_) {
+      if (!problem_.HasParameterBlock(pose.data())) continue;
+      problem_.SetManifold(pose.data(), &manifold_);
+      ordering_->AddElementToGroup(pose.data(), 1);
+      if (window_.fixed.contains(id)) problem_.SetParameterBlockConstant(pose.data());
+    }
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    // Eigen, not the BLAS that the host happens to have: results must not depend on it.
+    options.dense_linear_algebra_library_type = ceres::EIGEN;
+    options.linear_solver_ordering = ordering_;
+    options.num_threads = 1;
+    options.max_num_iterations = max_iterations;
+    options.function_tolerance = 1e-4;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    if (!costs_.empty()) ceres::Solve(options, &problem_, &summary);
+    BaSummary result;
+    result.keyframes = static_cast<int>(window_.moved.size());
+    result.fixed_keyframes = static_cast<int>(window_.fixed.size());
+    result.points = static_cast<int>(window_.points.size());
+    result.observations = static_cast<int>(costs_.size());
+    result.iterations = static_cast<int>(summary.iterations.size());
+    result.initial_cost = summary.initial_cost;
+    result.final_cost = summary.final_cost;
+    return result;
+  }
+
+  void WriteBack(Map* map) const {
+    for (const KeyframeId id : window_.moved) {
+      map->SetPose(id, FromParameters(poses_.at(id).data()));
+    }
+    for (const auto& [id, position] : positions_) map->SetPosition(id, position);
+  }
+
+ private:
+  static ceres::Problem::Options ProblemOptions() {
+    ceres::Problem::Options options;
+    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.disable_all_safety_checks = true;
+    return options;
+  }
+
+  void AddPoint(const MapPoint& point, const KeyframeStore& store) {
+    Eigen::Vector3d& position = positions_[point.id];
+    position = point.position;
+    bool used = false;
+    for (const Observation& o : point.observations) {
+      const auto pose = poses_.find(o.keyframe);
+      if (pose == poses_.end()) continue;
+      const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
+      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.scale(keypoint.octave));
+      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second.data(), position.data());
+      used = true;
+    }
+    if (used) {
+      ordering_->AddElementToGroup(position.data(), 0);
+    } else {
+      positions_.erase(point.id);
+    }
+  }
+
+  const Window& window_;
+  const Camera& camera_;
+  const ScalePyramid& scales_;
+  Se3Manifold manifold_;
+  ceres::HuberLoss loss_{std::sqrt(kChi2Dof2)};
+  std::deque<PointCost> costs_;
+  std::map<KeyframeId, PoseParameters> poses_;
+  std::map<PointId, Eigen::Vector3d> positions_;
+  ceres::Problem problem_;
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
+};
+
+int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyramid& scales,
+                   const KeyframeStore& store, Map* map) {
+  std::vector<std::pair<KeyframeId, PointId>> outliers;
+  for (const PointId id : window.points) {
+    const MapPoint& point = *map->Find(id);
+    for (const Observation& o : point.observations) {
+      if (!window.moved.contains(o.keyframe) && !window.fixed.contains(o.keyframe)) continue;
+      const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
+      const Eigen::Vector3d x = map->Find(o.keyframe)->cam_from_world * point.position;
+      if (x.z() < kMinDepth || (camera.Project(x) - keypoint.Position()).squaredNorm() >
+                                   kChi2Dof2 * scales.sigma2(keypoint.octave)) {
+        outliers.emplace_back(o.keyframe, id);
+      }
+    }
+  }
+  for (const auto& [keyframe, point] : outliers) {
+    if (map->Find(point)) map->Unobserve(keyframe, point);
+  }
+  return static_cast<int>(outliers.size());
+}
+
+}  // namespace
+
+BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
+                        const KeyframeStore& store, const LocalBaOptions& options,
+                        int max_iterations, Map* map) {
+  const Window window = ChooseWindow(keyframe, options, *map);
+  Adjustment adjustment(window, camera, scales, store, *map);
+  BaSummary summary = adjustment.Solve(max_iterations);
+  adjustment.WriteBack(map);
+  summary.outliers = RemoveOutliers(window, camera, scales, store, map);
+  for (const PointId point : window.points) UpdateView(point, store, scales, map);
+  return summary;
+}
+
+}  // namespace vpslam

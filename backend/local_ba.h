@@ -1,0 +1,33 @@
+// Local bundle adjustment: the new keyframe, those that share most points with it, and the points
+// they see are moved so that reprojection errors become least; other keyframes that see these
+// points hold the gauge. [Mur15] sec. VI-D.
+#pragma once
+
+#include <vector>
+
+#include "backend/keyframe_store.h"
+#include "backend/mapper_options.h"
+#include "core/features/scale_levels.h"
+#include "core/geometry/camera.h"
+#include "core/map/map.h"
+
+namespace vpslam {
+
+struct BaSummary {
+  int keyframes = 0;  ///< moved
+  int fixed_keyframes = 0;
+  int points = 0;
+  int observations = 0;
+  int outliers = 0;  ///< observations taken out of the map afterwards
+  int iterations = 0;
+  double initial_cost = 0;
+  double final_cost = 0;
+};
+
+/// Adjusts around `keyframe`; removes observations that fail the chi-square gate afterwards, and
+/// updates the views of the points moved.
+BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
+                        const KeyframeStore& store, const LocalBaOptions& options,
+                        int max_iterations, Map* map);
+
+}  // namespace vpslam

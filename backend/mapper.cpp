@@ -1,0 +1,156 @@
+#include "backend/mapper.h"
+
+#include <optional>
+
+#include "backend/culling.h"
+#include "backend/keyframe_store.h"
+#include "backend/local_ba.h"
+#include "backend/map_starter.h"
+#include "backend/point_creator.h"
+#include "backend/point_fuser.h"
+#include "backend/point_view.h"
+#include "core/base/stopwatch.h"
+#include "core/map/map.h"
+
+namespace vpslam {
+
+class Mapper::Impl {
+ public:
+  Impl(const Camera& camera, const MapperOptions& options)
+      : camera_(camera),
+        bounds_(camera.UndistortedBounds()),
+        options_(options),
+        scales_(options.orb.num_levels, options.orb.scale_factor),
+        probation_(options.culling) {}
+
+  std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
+    Stopwatch total;
+    MappingTimes times;
+    switch (proposal.role) {
+      case KeyframeRole::kMapFirst:
+        if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
+        first_ = proposal;
+        break;
+      case KeyframeRole::kMapSecond:
+        if (first_) Start(proposal);
+        first_.reset();
+        break;
+      case KeyframeRole::kRegular:
+        WorkIn(proposal, &times);
+        break;
+    }
+    times.total_ms = total.Lap_ms();
+    return map_.TakeDeltas(proposal.id, times);
+  }
+
+  const Map& map() const { return map_; }
+
+ private:
+  void Store(const KeyframeProposal& proposal) {
+    KeyframeFeatures& stored = store_[proposal.id];
+    stored.features = proposal.features;
+    stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
+    ++keyframe_count_;
+  }
+
+  void Discard(MapId id) {
+    for (int32_t i = 0; i < map_.keyframe_end(); ++i) {
+      const Keyframe* keyframe = map_.FindEvenCulled(KeyframeId(i));
+      if (keyframe && keyframe->map == id) store_.erase(keyframe->id);
+    }
+    map_.EraseMap(id);
+  }
+
+  void Start(const KeyframeProposal& second) {
+    Store(*first_);
+    Store(second);
+    for (const PointId id :
+         StartMap(*first_, second, camera_, scales_, store_, options_.ba, &map_)) {
+      probation_.Add(id, keyframe_count_);
+    }
+  }
+
+  void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
+    Stopwatch stopwatch;
+    Store(proposal);
+    Insert(proposal);
+    times->insertion_ms = stopwatch.Lap_ms();
+
+    for (const PointSighting& sighting : proposal.sightings) {
+      probation_.Count({map_.Resolve(sighting.point), sighting.visible, sighting.found});
+    }
+    probation_.Cull(keyframe_count_, &map_);
+    times->feature_culling_ms = stopwatch.Lap_ms();
+
+    for (const PointId id :
+         CreatePoints(proposal.id, camera_, scales_, store_, options_.creator, &map_)) {
+      probation_.Add(id, keyframe_count_);
+    }
+    FusePoints(proposal.id, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+    SetBestParent(proposal.id);
+    times->feature_creation_ms = stopwatch.Lap_ms();
+
+    AdjustLocally(proposal.id, camera_, scales_, store_, options_.ba, options_.ba.max_iterations,
+                  &map_);
+    times->local_ba_ms = stopwatch.Lap_ms();
+
+    CullKeyframes(proposal.id, store_, options_.culling, &map_);
+    times->keyframe_culling_ms = stopwatch.Lap_ms();
+  }
+
+  void Insert(const KeyframeProposal& proposal) {
+    Keyframe keyframe;
+    keyframe.id = proposal.id;
+    keyframe.map = proposal.map;
+    keyframe.frame_seq = proposal.frame_seq;
+    keyframe.stamp_us = proposal.stamp_us;
+    keyframe.cam_from_world = proposal.cam_from_world;
+    keyframe.parent = map_.LivingAncestor(proposal.reference);
+    for (const PointId id : proposal.points) keyframe.points.push_back(map_.Resolve(id));
+    keyframe.points.resize(proposal.features.size());
+    map_.Insert(keyframe);
+    for (const PointId id : map_.Find(keyframe.id)->points) {
+      if (!id.IsValid()) continue;
+      UpdateView(id, store_, scales_, &map_);
+      UpdateDescriptor(id, store_, &map_);
+    }
+  }
+
+  /// The parent is the older keyframe that shares most: poses of what is culled hang on it.
+  void SetBestParent(KeyframeId id) {
+    for (const auto& [other, shared] : map_.Covisible(id, 1)) {
+      if (other < id) {
+        map_.SetParent(id, other);
+        return;
+      }
+    }
+  }
+
+  Camera camera_;
+  Camera::Bounds bounds_;
+  MapperOptions options_;
+  ScalePyramid scales_;
+  Map map_;
+  KeyframeStore store_;
+  PointProbation probation_;
+  int keyframe_count_ = 0;
+  std::optional<KeyframeProposal> first_;
+};
+
+std::optional<std::string> MapperOptions::Validate() const {
+  if (const auto why = orb.Validate()) return why;
+  if (ba.max_keyframes < 2 || ba.max_iterations < 1) return "ba: needs 2 keyframes, 1 iteration";
+  if (creator.neighbours < 1 || fuser.neighbours < 1) return "neighbours must be at least 1";
+  return std::nullopt;
+}
+
+Mapper::Mapper(const Camera& camera, const MapperOptions& options)
+    : impl_(std::make_unique<Impl>(camera, options)) {}
+Mapper::~Mapper() = default;
+std::vector<MapDelta> Mapper::Process(const KeyframeProposal& proposal) {
+  return impl_->Process(proposal);
+}
+std::vector<MapDelta> Mapper::Snapshot() const { return impl_->map().Snapshot(); }
+int64_t Mapper::version() const { return impl_->map().version(); }
+
+}  // namespace vpslam

@@ -1,0 +1,99 @@
+// Motion and structure from two views of a calibrated camera: how a monocular map starts.
+//
+// Proposes motions from an essential matrix and from a homography, refines each on all matches, and
+// lets the matches decide between them; says no, and why, where they cannot. [Mur15] ("ORB-SLAM: a
+// versatile and accurate monocular SLAM system", sec. IV) scores both models alike and picks one
+// beforehand; the score is used here as well, but both propose and the refined motions compete on
+// the same terms, so that a scene which is neither flat nor deep is not lost to the wrong choice.
+#pragma once
+
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/ransac.h"
+#include "core/geometry/se3.h"
+
+namespace vpslam {
+
+/// Undistorted positions. One sigma per coordinate; for ORB it grows with the octave.
+struct TwoViewMatch {
+  Eigen::Vector2d first_px, second_px;
+  double first_sigma_px = 1, second_sigma_px = 1;
+};
+
+enum class TwoViewStatus {
+  kOk,
+  kInvalidInput,       ///< a position is not finite, or a sigma is not positive
+  kTooFewMatches,      ///< fewer than min_matches
+  kTooLittleParallax,  ///< hardly any displacement, pure rotation, or a baseline too small
+  kTooFewPoints,       ///< no motion explains enough matches by points in front of both cameras
+  kAmbiguous,          ///< several motions explain the matches almost equally well
+};
+
+const char* ToString(TwoViewStatus status);
+
+enum class TwoViewModel { kEssential, kHomography };
+
+struct TwoViewOptions {
+  int min_matches = 100;
+  int min_points = 50;
+  /// At least min_points points must be seen under this angle or more.
+  double min_parallax_rad = 0.0175;
+  /// Points with less parallax are no points, though their matches are inliers.
+  double min_point_parallax_rad = 0.005;
+  /// Median displacement, in units of the focal length, below which nothing is even tried.
+  double min_displacement = 0.004;
+  /// Pure rotation if it explains this share of the matches that the best motion explains.
+  double max_rotation_share = 0.8;
+  /// Standard deviation of the direction of translation beyond which it is not known.
+  double max_direction_sigma_rad = 0.15;
+  /// A motion is alive if it has this share of the points of the best one ...
+  double min_rival_points = 0.75;
+  /// ... and its sum of truncated chi-squares is higher by at most this share of the best one's.
+  double max_rival_cost = 0.1;
+  /// [Mur15] sec. IV: a homography describes the scene if S_H / (S_H + S_E) exceeds this.
+  double homography_share = 0.45;
+  RansacOptions ransac;
+
+  std::optional<std::string> Validate() const;
+};
+
+struct TwoViewCandidate {
+  SE3 second_from_first;  ///< |t| = 1
+  TwoViewModel proposed_by = TwoViewModel::kEssential;
+  /// Per match: it obeys the epipolar constraint (95 %) and does not lie behind a camera.
+  std::vector<bool> inlier;
+  /// Per match: position in the first camera, in baselines, if it is an inlier with parallax.
+  std::vector<std::optional<Eigen::Vector3d>> point;
+  int num_inliers = 0;
+  int num_points = 0;
+  double median_parallax_rad = 0;  ///< of the points
+  /// The min_points-th largest parallax; what min_parallax_rad is compared with.
+  double supported_parallax_rad = 0;
+  double direction_sigma_rad = 0;  ///< of the translation, to first order
+  double cost = 0;                 ///< sum over all matches of min(chi2, 3.841)
+};
+
+struct TwoViewResult {
+  TwoViewStatus status = TwoViewStatus::kTooFewMatches;
+  /// The motions alive, best first. Exactly one if kOk; several if kAmbiguous (typically both
+  /// interpretations of a plane), all of which passed every other test; else empty.
+  std::vector<TwoViewCandidate> candidates;
+  TwoViewModel model = TwoViewModel::kEssential;  ///< what describes the scene, by score
+  double essential_score = 0;
+  double homography_score = 0;
+  double rotation_share = 0;  ///< matches explained by pure rotation / all
+};
+
+/// The camera, and the options, have been validated by the caller. The same input and state of the
+/// generator give the same result.
+TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch> matches,
+                              const TwoViewOptions& options, std::mt19937_64& rng);
+
+}  // namespace vpslam

@@ -1,0 +1,134 @@
+// The map: keyframes, points, and who observes whom. The backend owns one and changes it; frontend
+// and recorder hold replicas that follow by deltas.
+//
+// Invariants: observations are kept on both sides and agree; lists are ordered by id, so that no
+// result depends on the order of a hash table; ids of erased points forward to what replaced them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/map/ids.h"
+#include "core/messages/map_delta.h"
+
+namespace vpslam {
+
+struct Observation {
+  KeyframeId keyframe;
+  int32_t feature = 0;
+};
+
+struct MapPoint {
+  PointId id;
+  MapId map;
+  KeyframeId reference;                                ///< the keyframe that created it
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in world
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< mean unit vector from point to cameras
+  double max_distance = 0;  ///< farthest distance from which level 0 can show it
+  Descriptor descriptor{};
+  std::vector<Observation> observations;  ///< by ascending keyframe
+  bool erased = false;
+  PointId replacement;  ///< of an erased point that was fused
+};
+
+struct Keyframe {
+  KeyframeId id;
+  MapId map;
+  int64_t frame_seq = 0;
+  int64_t stamp_us = 0;
+  bool culled = false;
+  SE3 cam_from_world;  ///< of a culled one: ask Map::CamFromWorld
+  KeyframeId parent;
+  SE3 cam_from_parent;          ///< of a culled one
+  std::vector<PointId> points;  ///< per feature; invalid where it observes none
+
+  Eigen::Vector3d Center() const { return cam_from_world.Center(); }
+};
+
+/// What changed since the last delta; filled by the owner's Map.
+struct MapChanges {
+  std::set<MapId> erased_maps;
+  std::set<KeyframeId> keyframes;
+  std::set<PointId> appearances;
+  std::set<PointId> geometries;
+  std::set<PointId> tombstones;
+};
+
+class Map {
+ public:
+  // ---- Reading ----
+
+  /// nullptr if it never existed, or is erased or culled.
+  const MapPoint* Find(PointId id) const;
+  const Keyframe* Find(KeyframeId id) const;
+  /// The living point that `id` has become; invalid if there is none.
+  PointId Resolve(PointId id) const;
+  /// Also of culled keyframes, through their parents; nullptr-like `false` if unknown.
+  bool CamFromWorld(KeyframeId id, SE3* cam_from_world) const;
+  /// The keyframe itself or, if it was culled, the nearest ancestor that was not; invalid if none.
+  KeyframeId LivingAncestor(KeyframeId id) const;
+
+  /// Keyframes that share at least min_shared points with `id`, most first, ties by id.
+  std::vector<std::pair<KeyframeId, int>> Covisible(KeyframeId id, int min_shared) const;
+  /// All ids ever used are below these.
+  int32_t keyframe_end() const { return static_cast<int32_t>(keyframes_.size()); }
+  int32_t point_end() const { return static_cast<int32_t>(points_.size()); }
+  /// Also culled ones; nullptr if unknown. For results.
+  const Keyframe* FindEvenCulled(KeyframeId id) const;
+  int NumKeyframes(MapId map) const;
+  int NumPoints(MapId map) const;
+  int64_t version() const { return version_; }
+
+  // ---- Changing, by the owner ----
+
+  void Insert(const Keyframe& keyframe);
+  PointId CreatePoint(MapId map, KeyframeId reference, const Eigen::Vector3d& position);
+  void Observe(KeyframeId keyframe, int32_t feature, PointId point);
+  /// Erases the point too when fewer than two observations remain.
+  void Unobserve(KeyframeId keyframe, PointId point);
+  void Erase(PointId point);
+  /// Moves observations of `from` to `to` where `to` has none in that keyframe, and erases `from`.
+  void Fuse(PointId from, PointId to);
+  /// The keyframe keeps its place in the tree: parent and pose relative to it. Its children go to
+  /// its parent. The first keyframe of a map cannot be culled.
+  void Cull(KeyframeId keyframe);
+  void EraseMap(MapId map);
+  void SetPose(KeyframeId keyframe, const SE3& cam_from_world);
+  void SetParent(KeyframeId keyframe, KeyframeId parent);
+  void SetPosition(PointId point, const Eigen::Vector3d& position);
+  void SetView(PointId point, const Eigen::Vector3d& normal, double max_distance);
+  void SetDescriptor(PointId point, const Descriptor& descriptor);
+
+  // ---- Replication ----
+
+  /// Everything that changed since the last call, in parts of a bounded size; each part has its own
+  /// version. `answers` and `times` go into the last part. At least one part.
+  std::vector<MapDelta> TakeDeltas(KeyframeId answers, const MappingTimes& times);
+  /// The whole map at the present version, in parts; the first clears a replica.
+  std::vector<MapDelta> Snapshot() const;
+  /// False, and nothing done, if the delta does not continue the version at hand.
+  bool Apply(const MapDelta& delta);
+
+ private:
+  Keyframe& Mutable(KeyframeId id);
+  MapPoint& Mutable(PointId id);
+  void ApplyObservations(Keyframe& keyframe, const std::vector<FeaturePoint>& observations);
+  KeyframeState State(const Keyframe& keyframe) const;
+  std::vector<MapDelta> Parts(const MapChanges& changes) const;
+  void RemoveObservation(MapPoint& point, KeyframeId keyframe);
+
+  std::deque<Keyframe> keyframes_;  ///< by id; id invalid where unknown
+  std::deque<MapPoint> points_;     ///< by id; id invalid where unknown
+  std::set<MapId> erased_maps_;
+  MapChanges changes_;
+  int64_t version_ = 0;
+};
+
+}  // namespace vpslam

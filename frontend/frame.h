@@ -1,0 +1,31 @@
+// An image as the frontend sees it: features, what they were matched with, and where it stands.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/features/feature_grid.h"
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/map/ids.h"
+#include "core/messages/stages.h"
+
+namespace vpslam {
+
+struct Frame {
+  int64_t seq = 0;
+  int64_t stamp_us = 0;
+  int64_t published_us = 0;
+  Features features;
+  FeatureGrid grid;
+  std::vector<PointId> points;  ///< per feature; invalid where none is matched
+  SE3 cam_from_world;
+  Matrix6d covariance = Matrix6d::Zero();
+  KeyframeId reference;  ///< what the pose hangs on when the map is corrected
+  SE3 cam_from_reference;
+  int inliers = 0;
+  int matches = 0;
+  TrackingTimes times;
+};
+
+}  // namespace vpslam

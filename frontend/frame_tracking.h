@@ -1,0 +1,34 @@
+// Finding map points in a frame, and the pose that explains them.
+#pragma once
+
+#include <vector>
+
+#include "core/features/scale_levels.h"
+#include "core/geometry/camera.h"
+#include "core/map/map.h"
+#include "frontend/frame.h"
+#include "frontend/tracker_options.h"
+
+namespace vpslam {
+
+/// What does not change from frame to frame.
+struct TrackingContext {
+  const Camera& camera;
+  const Camera::Bounds& bounds;
+  const ScalePyramid& scales;
+  const Map& map;
+};
+
+/// Matches the points that `last` saw, projected with frame->cam_from_world. Returns how many.
+int MatchLastFrame(const TrackingContext& context, const Frame& last, double window_px,
+                   const MotionTrackingOptions& options, Frame* frame);
+
+/// Matches the keyframe's points by descriptor alone. Returns how many.
+int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe, Frame* frame);
+
+/// Optimises the pose from the frame's matches; those that do not fit are taken away. Returns the
+/// number that fit.
+int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options,
+                  Frame* frame);
+
+}  // namespace vpslam

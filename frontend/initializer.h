@@ -1,0 +1,45 @@
+// Finds two views from which a map can start.
+//
+// Keeps a reference view and follows its features from frame to frame; each new frame is tried
+// against it. The reference is given up for the present frame when too few of its features are left
+// or when it has been tried for long.
+#pragma once
+
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "core/features/scale_levels.h"
+#include "core/geometry/camera.h"
+#include "core/messages/keyframe_proposal.h"
+#include "frontend/frame.h"
+#include "frontend/tracker_options.h"
+
+namespace vpslam {
+
+/// Two views and what they show; world is the first camera, the median depth of the points 1.
+struct InitialMap {
+  Frame first, second;
+  std::vector<InitialPoint> points;
+};
+
+class Initializer {
+ public:
+  Initializer(const Camera& camera, const ScalePyramid& scales, const InitializerOptions& options)
+      : camera_(camera), scales_(scales), options_(options) {}
+
+  std::optional<InitialMap> Add(const Frame& frame, std::mt19937_64& rng);
+  void Reset() { reference_.reset(); }
+
+ private:
+  void TakeAsReference(const Frame& frame);
+
+  const Camera& camera_;
+  const ScalePyramid& scales_;
+  InitializerOptions options_;
+  std::optional<Frame> reference_;
+  std::vector<Eigen::Vector2f> predicted_px_;  ///< per feature of the reference: where last seen
+  int frames_tried_ = 0;
+};
+
+}  // namespace vpslam

@@ -1,0 +1,81 @@
+#include "frontend/late_tracker.h"
+
+#include <algorithm>
+
+#include "frontend/local_map.h"
+
+namespace vpslam {
+namespace {
+
+// A walk that failed so often in a row has left what the map shows.
+constexpr int kMaxFailures = 3;
+
+}  // namespace
+
+void LateTracker::Start(std::vector<Frame> frames, const Frame& first, int64_t second_seq) {
+  Walk backwards, between;
+  backwards.last = between.last = first;
+  for (Frame& frame : frames) {
+    if (frame.seq < first.seq) {
+      backwards.todo.push_front(std::move(frame));
+    } else if (frame.seq > first.seq && frame.seq < second_seq) {
+      between.todo.push_back(std::move(frame));
+    }
+  }
+  walks_.clear();
+  walks_.push_back(std::move(between));
+  walks_.push_back(std::move(backwards));
+}
+
+bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame* frame) const {
+  const SE3& last = walk.last.cam_from_world;
+  frame->cam_from_world = walk.has_velocity ? walk.velocity * last : last;
+  const auto& motion = options_.motion;
+  int matches = MatchLastFrame(context, walk.last, motion.window_px, motion, frame);
+  if (matches < motion.min_matches) {
+    frame->cam_from_world = last;
+    matches = MatchLastFrame(context, walk.last, 2 * motion.window_px, motion, frame);
+  }
+  if (matches < motion.min_matches) return false;
+  if (OptimizeFrame(context, options_.pose, frame) < motion.min_inliers) return false;
+  const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
+  std::vector<PointId> visible;
+  MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
+  if (OptimizeFrame(context, options_.pose, frame) < options_.local_map.min_inliers) return false;
+  frame->reference = local.reference;
+  SE3 reference_from_world;
+  if (!context.map.CamFromWorld(frame->reference, &reference_from_world)) return false;
+  frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
+  return true;
+}
+
+std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
+  while (!walks_.empty() && walks_.front().todo.empty()) walks_.erase(walks_.begin());
+  if (walks_.empty()) return std::nullopt;
+  Walk& walk = walks_.front();
+  // The map moves while the walk goes on: the last frame moves with its reference.
+  SE3 reference_from_world;
+  if (!context.map.CamFromWorld(walk.last.reference, &reference_from_world)) {
+    walk.todo.clear();
+    return std::nullopt;
+  }
+  walk.last.cam_from_world = walk.last.cam_from_reference * reference_from_world;
+  if (const Keyframe* keyframe = context.map.Find(walk.last.reference);
+      keyframe && keyframe->frame_seq == walk.last.seq) {
+    walk.last.points = keyframe->points;
+    walk.last.points.resize(walk.last.features.size());
+  }
+  Frame frame = std::move(walk.todo.front());
+  walk.todo.pop_front();
+  if (!Place(context, walk, &frame)) {
+    if (++walk.failures >= kMaxFailures) walk.todo.clear();
+    return std::nullopt;
+  }
+  walk.failures = 0;
+  walk.velocity = frame.cam_from_world * walk.last.cam_from_world.Inverse();
+  walk.has_velocity = true;
+  walk.last = frame;
+  return frame;
+}
+
+}  // namespace vpslam

@@ -1,0 +1,104 @@
+#include "frontend/local_map.h"
+
+#include <algorithm>
+
+#include "core/features/matcher.h"
+#include "core/map/visibility.h"
+
+namespace vpslam {
+namespace {
+
+/// cos of 3.6 degrees.
+constexpr double kFrontalCosine = 0.998;
+
+}  // namespace
+
+LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptions& options) {
+  LocalMap local;
+  std::vector<int> votes(map.keyframe_end(), 0);
+  for (const PointId id : frame.points) {
+    const MapPoint* point = map.Find(id);
+    if (!point) continue;
+    for (const Observation& o : point->observations) ++votes[o.keyframe.value];
+  }
+  std::vector<uint8_t> chosen(votes.size(), 0);
+  std::vector<KeyframeId> voted;
+  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
+    if (votes[i] > 0 && map.Find(KeyframeId(i))) voted.emplace_back(i);
+  }
+  std::stable_sort(voted.begin(), voted.end(), [&](KeyframeId a, KeyframeId b) {
+    return votes[a.value] > votes[b.value];
+  });
+  const auto add = [&](KeyframeId id) {
+    if (static_cast<int>(local.keyframes.size()) >= options.max_keyframes) return;
+    if (chosen[id.value]) return;
+    chosen[id.value] = 1;
+    local.keyframes.push_back(id);
+  };
+  for (const KeyframeId id : voted) add(id);
+  if (!voted.empty()) {
+    local.reference = voted.front();
+    // Neighbours of the best few: their points come into view next.
+    const size_t num_roots = std::min<size_t>(voted.size(), 5);
+    for (size_t i = 0; i < num_roots; ++i) {
+      const auto covisible = map.Covisible(voted[i], 15);
+      const size_t n = std::min<size_t>(covisible.size(), options.neighbours);
+      for (size_t k = 0; k < n; ++k) add(covisible[k].first);
+      const KeyframeId parent = map.Find(voted[i])->parent;
+      if (map.Find(parent)) add(parent);
+    }
+  }
+  std::vector<uint8_t> seen(map.point_end(), 0);
+  for (const KeyframeId id : local.keyframes) {
+    for (const PointId point : map.Find(id)->points) {
+      if (point.IsValid() && !seen[point.value]) {
+        seen[point.value] = 1;
+        local.points.push_back(point);
+      }
+    }
+  }
+  std::sort(local.points.begin(), local.points.end());
+  return local;
+}
+
+int MatchLocalMap(const TrackingContext& context, const LocalMap& local,
+                  const LocalMapOptions& options, double radius_factor, Frame* frame,
+                  std::vector<PointId>* visible) {
+  std::vector<uint8_t> taken(frame->features.size(), 0);
+  std::vector<uint8_t> matched(context.map.point_end(), 0);
+  for (int i = 0; i < frame->features.size(); ++i) {
+    if (!frame->points[i].IsValid()) continue;
+    taken[i] = 1;
+    matched[frame->points[i].value] = 1;
+    visible->push_back(frame->points[i]);
+  }
+  const Eigen::Vector3d center = frame->cam_from_world.Center();
+  int count = 0;
+  for (const PointId id : local.points) {
+    const MapPoint* point = context.map.Find(id);
+    if (!point || matched[id.value]) continue;
+    const auto view = PredictView(*point, frame->cam_from_world, center, context.camera,
+                                  context.bounds, context.scales);
+    if (!view) continue;
+    visible->push_back(id);
+    const double radius_px =
+        view->view_cosine > kFrontalCosine ? options.radius_frontal_px : options.radius_px;
+    WindowQuery query;
+    query.x_px = static_cast<float>(view->px.x());
+    query.y_px = static_cast<float>(view->px.y());
+    query.radius_px =
+        static_cast<float>(radius_factor * radius_px * context.scales.scale(view->octave));
+    query.octaves = {std::max(0, view->octave - 1), view->octave + 1};
+    query.max_distance = options.max_distance;
+    query.ratio = static_cast<float>(options.ratio);
+    const auto match =
+        BestMatchInWindow(point->descriptor, query, frame->features, frame->grid, taken);
+    if (!match) continue;
+    taken[match->index] = 1;
+    frame->points[match->index] = id;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace vpslam

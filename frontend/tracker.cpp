@@ -1,0 +1,355 @@
+#include "frontend/tracker.h"
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <optional>
+#include <random>
+
+#include "core/base/stopwatch.h"
+#include "core/features/orb_extractor.h"
+#include "core/map/map.h"
+#include "frontend/frame.h"
+#include "frontend/frame_tracking.h"
+#include "frontend/initializer.h"
+#include "frontend/keyframe_policy.h"
+#include "frontend/late_tracker.h"
+#include "frontend/local_map.h"
+#include "frontend/relocalizer.h"
+
+namespace vpslam {
+namespace {
+
+OrbOptions WithFeatures(OrbOptions orb, int num_features) {
+  orb.num_features = num_features;
+  return orb;
+}
+
+KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map) {
+  KeyframeProposal proposal;
+  proposal.id = id;
+  proposal.map = map;
+  proposal.frame_seq = frame.seq;
+  proposal.stamp_us = frame.stamp_us;
+  proposal.cam_from_world = frame.cam_from_world;
+  proposal.reference = frame.reference;
+  proposal.features = frame.features;
+  proposal.points = frame.points;
+  proposal.points.resize(frame.features.size());
+  return proposal;
+}
+
+}  // namespace
+
+class Tracker::Impl {
+ public:
+  Impl(const Camera& camera, const TrackerOptions& options, uint64_t seed)
+      : camera_(camera),
+        bounds_(camera.UndistortedBounds()),
+        options_(options),
+        extractor_(camera, options.orb),
+        starting_extractor_(camera, WithFeatures(options.orb, options.num_features_to_start)),
+        scales_(extractor_.scales()),
+        context_{camera_, bounds_, scales_, map_},
+        initializer_(camera_, scales_, options.initializer),
+        late_(options),
+        rng_(seed) {}
+
+  Output Track(const ImageFrame& image) {
+    Output output;
+    Frame frame = MakeFrame(image);
+    if (state_ == TrackingState::kInitialising || OnProbation()) Remember(frame);
+    if (state_ == TrackingState::kInitialising) {
+      TryToStart(frame, &output);
+    } else {
+      TrackInMap(std::move(frame), &output);
+    }
+    for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output);
+    return output;
+  }
+
+  bool Apply(const MapDelta& delta) { return map_.Apply(delta); }
+
+  Output Finish() {
+    Output output;
+    if (state_ != TrackingState::kInitialising && !history_.empty()) PassProbation(&output);
+    while (late_.Busy()) PlaceLateFrame(&output);
+    return output;
+  }
+
+  int64_t map_version() const { return map_.version(); }
+
+ private:
+  Frame MakeFrame(const ImageFrame& image) {
+    Stopwatch stopwatch;
+    Frame frame;
+    frame.seq = image.frame_seq;
+    frame.stamp_us = image.stamp_us;
+    frame.published_us = image.published_us;
+    const bool starting = state_ == TrackingState::kInitialising;
+    frame.features = (starting ? starting_extractor_ : extractor_).Extract(image.pixels);
+    frame.grid = FeatureGrid(frame.features.keypoints, bounds_);
+    frame.points.resize(frame.features.size());
+    frame.times.decode_ms = image.decode_ms;
+    frame.times.features_ms = stopwatch.Lap_ms();
+    return frame;
+  }
+
+  // ---- Starting a map ----
+
+  void Remember(const Frame& frame) {
+    history_.push_back(frame);
+    if (static_cast<int>(history_.size()) > options_.max_buffered_frames) history_.pop_front();
+  }
+
+  void TryToStart(Frame& frame, Output* output) {
+    Stopwatch stopwatch;
+    const std::optional<InitialMap> initial = initializer_.Add(frame, rng_);
+    frame.times.initial_pose_ms = stopwatch.Lap_ms();
+    if (!initial) {
+      output->poses.push_back(ToPose(frame, TrackingState::kInitialising));
+      return;
+    }
+    map_id_ = MapId(map_id_.value + 1);
+    KeyframeProposal first = MakeProposal(initial->first, NextKeyframeId(), map_id_);
+    first.role = KeyframeRole::kMapFirst;
+    first.discarded_map = discarded_map_;
+    discarded_map_ = MapId();
+    KeyframeProposal second = MakeProposal(initial->second, NextKeyframeId(), map_id_);
+    second.role = KeyframeRole::kMapSecond;
+    second.initial_points = initial->points;
+
+    first_ = initial->first;
+    first_.reference = first.id;
+    first_.inliers = first_.matches = static_cast<int>(initial->points.size());
+    frame.cam_from_world = second.cam_from_world;
+    frame.reference = second.id;
+    frame.inliers = frame.matches = first_.inliers;
+    second_seq_ = frame.seq;
+    output->keyframes.push_back(std::move(first));
+    output->keyframes.push_back(std::move(second));
+    state_ = TrackingState::kTracking;
+    output->poses.push_back(ToPose(frame, state_));
+    output->poses.back().keyframe = frame.reference;
+    Accept(std::move(frame));
+    velocity_.reset();
+    frames_since_keyframe_ = 0;
+    sightings_.clear();
+    late_.Clear();
+  }
+
+  bool OnProbation() const { return !history_.empty(); }
+
+  /// The map has grown enough to be trusted: earlier frames are placed in it now.
+  void PassProbation(Output* output) {
+    if (history_.empty()) return;
+    std::vector<Frame> frames(history_.begin(), history_.end());
+    history_.clear();
+    FramePose pose = ToPose(first_, TrackingState::kTracking);
+    pose.live = false;
+    pose.keyframe = first_.reference;
+    output->poses.push_back(pose);
+    late_.Start(std::move(frames), first_, second_seq_);
+  }
+
+  /// The map was started wrongly: try again, with a frame from before as reference.
+  void GiveUpMap(const Frame& frame, Output* output) {
+    discarded_map_ = map_id_;
+    state_ = TrackingState::kInitialising;
+    last_.reset();
+    velocity_.reset();
+    initializer_.Reset();
+    constexpr size_t kFramesBack = 10;
+    const size_t n = history_.size();
+    if (n > 1) initializer_.Add(history_[n - std::min(n, 1 + kFramesBack)], rng_);
+    Frame again = frame;
+    again.points.assign(again.features.size(), PointId());
+    TryToStart(again, output);
+  }
+
+  // ---- Tracking ----
+
+  void TrackInMap(Frame frame, Output* output) {
+    Stopwatch stopwatch;
+    MoveLastWithMap();
+    bool placed = state_ == TrackingState::kTracking && last_ &&
+                  (TrackWithMotion(&frame) || TrackWithKeyframe(&frame));
+    bool relocalized = false;
+    if (!placed && !OnProbation()) {
+      relocalized = placed =
+          Relocalize(context_, map_id_, RelocalizerOptions(), options_, rng_, &frame);
+    }
+    frame.times.initial_pose_ms = stopwatch.Lap_ms();
+    LocalMap local;
+    if (placed) placed = TrackLocalMap(&frame, &local);
+    frame.times.local_map_ms = stopwatch.Lap_ms();
+    ++frames_since_keyframe_;
+    if (!placed) {
+      if (OnProbation()) return GiveUpMap(frame, output);
+      state_ = TrackingState::kLost;
+      last_.reset();
+      velocity_.reset();
+      output->poses.push_back(ToPose(frame, state_));
+      return;
+    }
+    state_ = TrackingState::kTracking;
+    if (IsKeyframe(frame, local.reference, frames_since_keyframe_, map_, options_.keyframes)) {
+      Propose(&frame, output);
+    }
+    output->poses.push_back(ToPose(frame, state_));
+    if (!output->keyframes.empty()) output->poses.back().keyframe = frame.reference;
+    if (last_ && !relocalized) {
+      velocity_ = frame.cam_from_world * last_->cam_from_world.Inverse();
+    } else {
+      velocity_.reset();
+    }
+    Accept(std::move(frame));
+    if (OnProbation() && map_.NumKeyframes(map_id_) >= options_.probation_keyframes) {
+      PassProbation(output);
+    }
+  }
+
+  /// Bundle adjustment moved the keyframe that the last frame hangs on: so moves the frame.
+  void MoveLastWithMap() {
+    if (!last_) return;
+    SE3 reference_from_world;
+    if (!map_.CamFromWorld(last_->reference, &reference_from_world)) return;
+    last_->cam_from_world = last_->cam_from_reference * reference_from_world;
+    // A frame that became a keyframe was given new points since.
+    const Keyframe* keyframe = map_.Find(last_->reference);
+    if (keyframe && keyframe->frame_seq == last_->seq) {
+      last_->points = keyframe->points;
+      last_->points.resize(last_->features.size());
+    }
+  }
+
+  bool TrackWithMotion(Frame* frame) {
+    const auto& motion = options_.motion;
+    const SE3 predicted = velocity_ ? *velocity_ * last_->cam_from_world : last_->cam_from_world;
+    for (const double factor : {1.0, 2.0}) {
+      frame->cam_from_world = predicted;
+      if (MatchLastFrame(context_, *last_, factor * motion.window_px, motion, frame) <
+          motion.min_matches) {
+        continue;
+      }
+      if (OptimizeFrame(context_, options_.pose, frame) >= motion.min_inliers) return true;
+    }
+    return false;
+  }
+
+  bool TrackWithKeyframe(Frame* frame) {
+    frame->cam_from_world = last_->cam_from_world;
+    const KeyframeId keyframe = map_.LivingAncestor(last_->reference);
+    if (MatchKeyframe(context_, keyframe, frame) < options_.motion.min_matches) return false;
+    return OptimizeFrame(context_, options_.pose, frame) >= options_.motion.min_inliers;
+  }
+
+  bool TrackLocalMap(Frame* frame, LocalMap* local) {
+    *local = CollectLocalMap(map_, *frame, options_.local_map);
+    std::vector<PointId> visible;
+    MatchLocalMap(context_, *local, options_.local_map, 1.0, frame, &visible);
+    if (OptimizeFrame(context_, options_.pose, frame) < options_.local_map.min_inliers) {
+      return false;
+    }
+    for (const PointId id : visible) ++sightings_[id].visible;
+    for (const PointId id : frame->points) {
+      if (id.IsValid()) ++sightings_[id].found;
+    }
+    frame->reference = local->reference;
+    SE3 reference_from_world;
+    if (!map_.CamFromWorld(frame->reference, &reference_from_world)) return false;
+    frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
+    return true;
+  }
+
+  void Propose(Frame* frame, Output* output) {
+    KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId(), map_id_);
+    for (const auto& [id, counts] : sightings_) {
+      proposal.sightings.push_back({id, counts.visible, counts.found});
+    }
+    sightings_.clear();
+    frames_since_keyframe_ = 0;
+    frame->reference = proposal.id;
+    frame->cam_from_reference = SE3();
+    output->keyframes.push_back(std::move(proposal));
+  }
+
+  void Accept(Frame frame) { last_ = std::move(frame); }
+
+  // ---- Frames from before the map ----
+
+  void PlaceLateFrame(Output* output) {
+    if (!late_.Busy()) return;
+    const std::optional<Frame> frame = late_.Step(context_);
+    if (!frame) return;
+    output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
+    output->poses.back().live = false;
+  }
+
+  KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }
+
+  FramePose ToPose(const Frame& frame, TrackingState state) const {
+    FramePose pose;
+    pose.frame_seq = frame.seq;
+    pose.stamp_us = frame.stamp_us;
+    pose.image_published_us = frame.published_us;
+    pose.state = state;
+    pose.map = map_id_;
+    pose.times = frame.times;
+    if (state != TrackingState::kTracking) return pose;
+    pose.cam_from_world = frame.cam_from_world;
+    pose.reference = frame.reference;
+    pose.cam_from_reference = frame.cam_from_reference;
+    pose.covariance = frame.covariance;
+    pose.inliers = frame.inliers;
+    pose.matches = frame.matches;
+    return pose;
+  }
+
+  struct SightingCounts {
+    int visible = 0, found = 0;
+  };
+
+  Camera camera_;
+  Camera::Bounds bounds_;
+  TrackerOptions options_;
+  OrbExtractor extractor_, starting_extractor_;
+  ScalePyramid scales_;
+  Map map_;  ///< the replica
+  TrackingContext context_;
+  Initializer initializer_;
+  LateTracker late_;
+  std::mt19937_64 rng_;
+
+  TrackingState state_ = TrackingState::kInitialising;
+  MapId map_id_;
+  MapId discarded_map_;  ///< to be told to the backend with the next map
+  int32_t next_keyframe_ = 0;
+  int frames_since_keyframe_ = 0;
+  std::optional<Frame> last_;      ///< the last frame, while tracking
+  std::optional<SE3> velocity_;    ///< this frame's camera from the last one's
+  std::map<PointId, SightingCounts> sightings_;
+  std::deque<Frame> history_;  ///< frames since before the map, until it has passed its probation
+  Frame first_;                ///< that became the map's first keyframe
+  int64_t second_seq_ = 0;
+};
+
+std::optional<std::string> TrackerOptions::Validate() const {
+  if (const auto why = orb.Validate()) return why;
+  if (const auto why = initializer.two_view.Validate()) return why;
+  if (num_features_to_start < orb.num_features) {
+    return "num_features_to_start must not be less than orb.num_features";
+  }
+  if (probation_keyframes < 2) return "probation_keyframes must be at least 2";
+  return std::nullopt;
+}
+
+Tracker::Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed)
+    : impl_(std::make_unique<Impl>(camera, options, seed)) {}
+Tracker::~Tracker() = default;
+Tracker::Output Tracker::Track(const ImageFrame& image) { return impl_->Track(image); }
+bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
+Tracker::Output Tracker::Finish() { return impl_->Finish(); }
+int64_t Tracker::map_version() const { return impl_->map_version(); }
+
+}  // namespace vpslam

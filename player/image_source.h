@@ -1,0 +1,57 @@
+// Where images come from: a data set, and whatever else gets a file of its own.
+//
+// A source delivers its frames in order, with strictly increasing time stamps. It skips a single
+// bad frame, telling so, and gives up on a source that is bad as a whole (see BadFrameGuard). What
+// makes going on impossible is thrown as std::runtime_error with one line that names what is
+// wrong, where, and the remedy.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "core/geometry/camera.h"
+#include "core/geometry/se3.h"
+
+namespace vpslam {
+
+struct SourceOptions {
+  std::string camera_file;  ///< empty: the source's own calibration
+  int64_t start = 0;        ///< leave out that many frames at the beginning
+  int64_t max_frames = 0;   ///< end after that many frames; 0: when the source does
+  /// Called with one line about each thing that was skipped, from any thread.
+  std::function<void(const std::string&)> tell = [](const std::string&) {};
+
+  std::optional<std::string> Validate() const {
+    if (start < 0) return "start must not be negative";
+    if (max_frames < 0) return "frames must not be negative";
+    return std::nullopt;
+  }
+};
+
+struct SourceFrame {
+  int64_t stamp_us = 0;
+  cv::Mat grey;  ///< CV_8UC1, of the camera's size, as the lens sees it
+  double decode_ms = 0;
+};
+
+class ImageSource {
+ public:
+  virtual ~ImageSource() = default;
+
+  virtual const Camera& camera() const = 0;
+
+  /// The next frame; nullopt at the end. Throws where going on makes no sense.
+  virtual std::optional<SourceFrame> Next() = 0;
+
+  /// The true pose at a time, where it is known. May be called while another thread is in Next().
+  virtual std::optional<SE3> WorldFromCam(int64_t /*stamp_us*/) const { return std::nullopt; }
+
+  /// One line on what had to be skipped; empty if nothing was. To be asked after the end.
+  virtual std::string Summary() { return {}; }
+};
+
+}  // namespace vpslam

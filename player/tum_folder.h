@@ -1,0 +1,24 @@
+// The folder layout of the TUM RGB-D benchmark [Sturm, Engelhard, Endres, Burgard, Cremers, IROS
+// 2012]: `rgb.txt` with lines `seconds file`, optionally `groundtruth.txt` with lines
+// `seconds tx ty tz qx qy qz qw` (camera-to-world, m), '#' for comments; besides, `camera.yaml`.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "player/image_source.h"
+
+namespace vpslam {
+
+bool IsTumFolder(const std::string& path);
+
+/// Throws std::runtime_error with one line naming file, fault and remedy.
+std::unique_ptr<ImageSource> OpenTumFolder(const std::string& path, const SourceOptions& options);
+
+/// Decimal seconds to microseconds, rounded; nullopt if `text` is no finite number of seconds.
+std::optional<int64_t> ParseStamp_us(std::string_view text);
+
+}  // namespace vpslam

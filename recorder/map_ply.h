@@ -1,0 +1,13 @@
+// One map as a point cloud that any viewer opens.
+#pragma once
+
+#include <string>
+
+#include "core/map/map.h"
+
+namespace vpslam {
+
+/// ASCII PLY, in world coordinates: points in grey, centres of the kept keyframes in red.
+std::string MapPly(const Map& map, MapId map_id);
+
+}  // namespace vpslam

@@ -1,0 +1,33 @@
+#include "recorder/names.h"
+
+namespace vpslam {
+
+const char* StateName(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitialising:
+      return "initialising";
+    case TrackingState::kTracking:
+      return "tracking";
+    case TrackingState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
+
+const char* StateName(ProcessState state) {
+  switch (state) {
+    case ProcessState::kStarting:
+      return "starting";
+    case ProcessState::kReady:
+      return "ready";
+    case ProcessState::kRunning:
+      return "running";
+    case ProcessState::kFinished:
+      return "finished";
+    case ProcessState::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+}  // namespace vpslam

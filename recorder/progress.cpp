@@ -1,0 +1,48 @@
+#include "recorder/progress.h"
+
+#include <cmath>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include "recorder/names.h"
+
+namespace vpslam {
+namespace {
+
+/// Frames per second by the times at which their images went out, over the last second.
+double FramesPerSecond(const RunRecord& run) {
+  const auto& frames = run.frames();
+  if (frames.empty()) return 0;
+  const int64_t end_us = frames.rbegin()->second.last.image_published_us;
+  int64_t begin_us = end_us;
+  int count = 0;
+  for (auto frame = std::next(frames.rbegin()); frame != frames.rend(); ++frame) {
+    const int64_t published_us = frame->second.last.image_published_us;
+    if (published_us < end_us - 1'000'000) break;
+    begin_us = published_us;
+    ++count;
+  }
+  return begin_us < end_us ? 1e6 * count / static_cast<double>(end_us - begin_us) : 0;
+}
+
+}  // namespace
+
+std::string ProgressLine(const RunRecord& run) {
+  const auto& frames = run.frames();
+  const FramePose newest = frames.empty() ? FramePose() : frames.rbegin()->second.last;
+  const int64_t frame = frames.empty() ? -1 : newest.frame_seq;
+  nlohmann::ordered_json line = {{"frame", frame},
+                                 {"fps", std::round(10 * FramesPerSecond(run)) / 10},
+                                 {"state", StateName(newest.state)},
+                                 {"keyframes", run.map().NumKeyframes(newest.map)},
+                                 {"points", run.map().NumPoints(newest.map)},
+                                 {"dropped", frame + 1 - static_cast<int64_t>(frames.size())},
+                                 {"processes", nlohmann::ordered_json::object()}};
+  for (const auto& [key, status] : run.processes()) {
+    line["processes"][status.process] = StateName(status.state);
+  }
+  return line.dump();
+}
+
+}  // namespace vpslam

@@ -1,0 +1,15 @@
+// How far a run has come, as one line of JSON for the launcher.
+#pragma once
+
+#include <string>
+
+#include "recorder/run_record.h"
+
+namespace vpslam {
+
+/// {"frame", "fps", "state", "keyframes", "points", "dropped", "processes": {name: state}}: the
+/// newest frame with its map's counts; fps over the last second of image time on the wire; dropped
+/// is what never got an answer, up to that frame.
+std::string ProgressLine(const RunRecord& run);
+
+}  // namespace vpslam

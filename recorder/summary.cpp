@@ -1,0 +1,111 @@
+#include "recorder/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "recorder/stages.h"
+
+namespace vpslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Three decimals: what is measured here is not known better.
+Json Rounded(std::optional<double> value) {
+  if (!value || !std::isfinite(*value)) return nullptr;
+  return std::round(*value * 1000) / 1000;
+}
+
+Json Frames(const RunRecord& run) {
+  const auto& frames = run.frames();
+  const auto measured = [](const auto& f) { return IsMeasured(f.second.last); };
+  const auto first = std::find_if(frames.begin(), frames.end(), measured);
+  const int64_t in = run.frames_in();
+  const auto processed = static_cast<int64_t>(frames.size());
+  const int64_t first_tracked = first == frames.end() ? in : first->first;
+  const int64_t processed_before = std::distance(frames.begin(), first);
+  return {{"in", in},
+          {"processed", processed},
+          {"dropped", in - processed},
+          {"dropped_before_init", first_tracked - processed_before},
+          {"tracked", std::count_if(frames.begin(), frames.end(), measured)}};
+}
+
+Json StageMedians(const RunRecord& run) {
+  Json medians = Json::object();
+  for (const auto& stage : kTrackingStages) {
+    std::vector<double> ms;
+    for (const auto& [seq, frame] : run.frames()) {
+      if (frame.live) ms.push_back(frame.live->times.*stage.ms);
+    }
+    medians[stage.name] = Rounded(Quantile(std::move(ms), 0.5));
+  }
+  for (const auto& stage : kMappingStages) {
+    std::vector<double> ms;
+    for (const auto& [id, keyframe] : run.keyframes()) ms.push_back(keyframe.times.*stage.ms);
+    const bool is_total = std::string_view(stage.name) == "total";
+    medians[is_total ? "mapping_total" : stage.name] = Rounded(Quantile(std::move(ms), 0.5));
+  }
+  return medians;
+}
+
+Json Latency(const RunRecord& run) {
+  std::vector<double> total_ms;
+  for (const auto& [seq, frame] : run.frames()) {
+    if (frame.live) total_ms.push_back(frame.live->times.total_ms);
+  }
+  return {{"median", Rounded(Quantile(total_ms, 0.5))}, {"p95", Rounded(Quantile(total_ms, 0.95))}};
+}
+
+}  // namespace
+
+Json Summary(const RunRecord& run, const RunInfo& info) {
+  const double processed = static_cast<double>(run.frames().size());
+  std::map<std::string, double> cpu_s, rss_mb;
+  for (const auto& [key, status] : run.processes()) {
+    cpu_s[status.process] += status.cpu_s;
+    rss_mb[status.process] = std::max(rss_mb[status.process], status.rss_peak_mb);
+  }
+  Json cpu = Json::object(), rss = Json::object();
+  double total_s = 0;
+  const auto per_frame = [&](double s) {
+    return Rounded(processed > 0 ? std::optional(1e3 * s / processed) : std::nullopt);
+  };
+  for (const auto& [name, s] : cpu_s) {
+    cpu[name] = per_frame(s);
+    total_s += s;
+  }
+  cpu["total"] = per_frame(total_s);
+  for (const auto& [name, mb] : rss_mb) rss[name] = Rounded(mb);
+
+  std::set<MapId> maps;
+  int keyframes = 0, points = 0;
+  for (int32_t i = 0; i < run.map().keyframe_end(); ++i) {
+    const Keyframe* keyframe = run.map().Find(KeyframeId(i));
+    if (!keyframe) continue;
+    ++keyframes;
+    maps.insert(keyframe->map);
+  }
+  for (int32_t i = 0; i < run.map().point_end(); ++i) points += run.map().Find(PointId(i)) ? 1 : 0;
+
+  return {{"frames", Frames(run)},
+          {"latency_ms", Latency(run)},
+          {"cpu_ms_per_frame", cpu},
+          {"stages_ms", StageMedians(run)},
+          {"maps", maps.size()},
+          {"keyframes", keyframes},
+          {"points", points},
+          {"lines", 0},
+          {"wall_s", Rounded(run.wall_s())},
+          {"peak_rss_mb", rss},
+          {"options", info.options},
+          {"seed", info.seed},
+          {"commit", info.commit}};
+}
+
+}  // namespace vpslam
