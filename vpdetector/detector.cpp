@@ -1,17 +1,12 @@
 #include "vpdetector/detector.h"
 
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
+#include "core/base/stopwatch.h"
+
 namespace vpslam {
 namespace {
-
-double Now_ms() {
-  return std::chrono::duration<double, std::milli>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 /// The way of a segment through the distorted image.
 LinePath DistortedPath(const Camera& camera, const EdgeSegment& s) {
@@ -51,9 +46,9 @@ LineSet Detector::Detect(const cv::Mat& gray) const {
                                 std::to_string(camera_.height));
   }
   LineSet result;
-  const double t0 = Now_ms();
+  Stopwatch watch;
   const std::vector<EdgeSegment> segments = ExtractLines(gray, camera_, options_.lines);
-  const double t1 = Now_ms();
+  result.lines_ms = watch.Lap_ms();
 
   // The longest come first.
   std::vector<LinePath> paths;
@@ -65,10 +60,10 @@ LineSet Detector::Detect(const cv::Mat& gray) const {
     paths.push_back(DistortedPath(camera_, s));
   }
   const std::vector<Descriptor> descriptors = DescribeLines(gray, paths, options_.descriptors);
-  const double t2 = Now_ms();
+  result.descriptors_ms = watch.Lap_ms();
 
   const VpEstimate vps = EstimateVanishingPoints(segments, camera_, options_.vps);
-  const double t3 = Now_ms();
+  result.vps_ms = watch.Lap_ms();
 
   result.lines.resize(segments.size());
   for (size_t i = 0; i < segments.size(); ++i) {
@@ -86,9 +81,6 @@ LineSet Detector::Detect(const cv::Mat& gray) const {
     result.cam_from_manhattan = Eigen::Quaterniond(vps.cam_from_manhattan).normalized();
     result.covariance_rad2 = vps.covariance_rad2;
   }
-  result.lines_ms = t1 - t0;
-  result.descriptors_ms = t2 - t1;
-  result.vps_ms = t3 - t2;
   return result;
 }
 

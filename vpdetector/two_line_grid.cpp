@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <random>
 
 #include <Eigen/Geometry>
 
-#include "vpdetector/random.h"
+#include "core/geometry/random_sample.h"
 
 namespace vpslam {
 namespace {
@@ -130,13 +131,14 @@ std::optional<TwoLineGridResult> SearchTwoLineGrid(const std::vector<VpLine>& li
   order.resize(std::min(order.size(), static_cast<size_t>(options.max_lines)));
   const Grid grid = Smooth(Vote(lines, order));
 
-  SplitMix64 random(options.seed);
+  std::mt19937_64 rng(options.seed);
   float best_score = 0;
   TwoLineGridResult best;
   bool found = false;
   for (int h = 0; h < options.num_first_directions; ++h) {
-    const Eigen::Vector3d& s0 = lines[order[random.Index(order.size())]].normal;
-    const Eigen::Vector3d& s1 = lines[order[random.Index(order.size())]].normal;
+    const auto [i, j] = RandomSample<2>(static_cast<int>(order.size()), rng);
+    const Eigen::Vector3d& s0 = lines[order[static_cast<size_t>(i)]].normal;
+    const Eigen::Vector3d& s1 = lines[order[static_cast<size_t>(j)]].normal;
     Eigen::Vector3d first = s0.cross(s1);
     const double norm = first.norm();
     if (norm < 1e-3) continue;

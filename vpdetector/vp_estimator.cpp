@@ -4,15 +4,16 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "core/geometry/random_sample.h"
 #include "core/geometry/so3.h"
 #include "core/geometry/sphere.h"
-#include "vpdetector/random.h"
 #include "vpdetector/vp_lines.h"
 
 namespace vpslam {
@@ -92,22 +93,23 @@ struct Direction {
 /// squares on the sphere.
 std::optional<Direction> FindDirection(const std::vector<VpLine>& lines,
                                        const std::vector<size_t>& candidates,
-                                       const VpOptions& options, SplitMix64* random) {
+                                       const VpOptions& options, std::mt19937_64& rng) {
   constexpr int kPairs = 100, kRounds = 5;
   const VpModel& model = options.model;
   if (candidates.size() < 2) return std::nullopt;
   double best_score = 0;
   Direction best;
   for (int pair = 0; pair < kPairs; ++pair) {
-    const VpLine& a = lines[candidates[random->Index(candidates.size())]];
-    const VpLine& b = lines[candidates[random->Index(candidates.size())]];
+    const auto [i, j] = RandomSample<2>(static_cast<int>(candidates.size()), rng);
+    const VpLine& a = lines[candidates[static_cast<size_t>(i)]];
+    const VpLine& b = lines[candidates[static_cast<size_t>(j)]];
     const Eigen::Vector3d cross = a.normal.cross(b.normal);
     const double norm = cross.norm();
     if (norm < 0.02) continue;
     const Eigen::Vector3d d = cross / norm;
     double score = 0;
-    for (const size_t i : candidates) {
-      score += lines[i].weight * std::max(0.0, LineScore(lines[i], d, model));
+    for (const size_t c : candidates) {
+      score += lines[c].weight * std::max(0.0, LineScore(lines[c], d, model));
     }
     if (score > best_score) {
       best_score = score;
@@ -173,6 +175,9 @@ std::optional<std::string> VpOptions::Validate() const {
   if (!(same_line_px >= 0)) return "same_line_px must not be negative";
   if (min_support < 2) return "min_support must be at least 2";
   if (!(max_false_alarms > 0)) return "max_false_alarms must be positive";
+  if (!(min_separation_deg >= 0 && min_separation_deg < 90)) {
+    return "min_separation_deg must lie in 0 to 90";
+  }
   if (max_further < 0 || max_further > 20) return "max_further must lie in 0 to 20";
   return std::nullopt;
 }
@@ -289,18 +294,31 @@ VpEstimate EstimateVanishingPoints(const std::vector<EdgeSegment>& segments, con
   }
 
   // Further directions among what is left.
-  SplitMix64 random(options.ransac.seed);
+  std::mt19937_64 rng(options.ransac.seed);
   const double further_chance = ChanceOfFit(lines, options.model);
+  const double min_separation_rad = options.min_separation_deg * std::numbers::pi / 180.0;
+  std::vector<bool> used(lines.size());
+  for (size_t j = 0; j < lines.size(); ++j) used[j] = labels[j] >= 0;
   for (int i = 0; i < options.max_further; ++i) {
     std::vector<size_t> candidates;
     std::set<int32_t> groups;
     for (size_t j = 0; j < lines.size(); ++j) {
-      if (labels[j] >= 0) continue;
+      if (used[j]) continue;
       candidates.push_back(j);
       groups.insert(group[j]);
     }
-    const auto found = FindDirection(lines, candidates, options, &random);
+    const auto found = FindDirection(lines, candidates, options, rng);
     if (!found) break;
+    const bool known = std::any_of(
+        estimate.vanishing_points.begin(), estimate.vanishing_points.end(),
+        [&](const VanishingPoint& vp) {
+          return AxisAngle_rad(vp.direction_in_cam, found->direction_in_cam) < min_separation_rad;
+        });
+    if (known) {
+      // Out of the way of others, without a label.
+      for (const size_t j : found->lines) used[j] = true;
+      continue;
+    }
     std::set<int32_t> supporting;
     for (const size_t j : found->lines) supporting.insert(group[j]);
     const int count = static_cast<int>(supporting.size());
@@ -310,7 +328,10 @@ VpEstimate EstimateVanishingPoints(const std::vector<EdgeSegment>& segments, con
         LogBinomialTail(static_cast<int>(groups.size()), count, further_chance);
     if (count < options.min_support || log_alarms > std::log(options.max_false_alarms)) break;
     const auto label = static_cast<int32_t>(estimate.vanishing_points.size());
-    for (const size_t j : found->lines) labels[j] = label;
+    for (const size_t j : found->lines) {
+      labels[j] = label;
+      used[j] = true;
+    }
     estimate.vanishing_points.push_back({found->direction_in_cam, found->covariance_rad2, count});
   }
   for (size_t i = 0; i < lines.size(); ++i) {

@@ -45,6 +45,9 @@ struct VpOptions {
   double max_false_alarms = 0.01;
   /// Directions beside the three that are reported at most.
   int max_further = 3;
+  /// They lie at least this far from every other: closer ones are an axis again, of lines that miss
+  /// its gate.
+  double min_separation_deg = 10.0;
 
   std::optional<std::string> Validate() const;
 };

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <random>
 
 #include <Eigen/Geometry>
 
-#include "vpdetector/random.h"
-
 namespace vpslam {
 namespace {
+
+/// In [0, 1), the same with every standard library.
+double Uniform(std::mt19937_64& rng) { return static_cast<double>(rng() >> 11) * 0x1.0p-53; }
 
 /// The lines as columns, in single precision, for a loop that the compiler turns into SIMD.
 struct ScoredLines {
@@ -95,10 +97,10 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
     }
   }
 
-  SplitMix64 random(options.seed);
+  std::mt19937_64 rng(options.seed);
   const auto draw = [&]() -> const VpLine& {
     const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1,
-                                     random.Uniform() * sum);
+                                     Uniform(rng) * sum);
     return lines[order[static_cast<size_t>(at - cumulative.begin())]];
   };
   struct Hypothesis {
