@@ -1,29 +1,10 @@
 #include "vpdetector/detector.h"
 
-#include <cmath>
 #include <stdexcept>
 
 #include "core/base/stopwatch.h"
 
 namespace vpslam {
-namespace {
-
-/// The way of a segment through the distorted image.
-LinePath DistortedPath(const Camera& camera, const EdgeSegment& s) {
-  if (!camera.HasDistortion()) return {s.start_px, s.end_px};
-  constexpr double kPiece_px = 16;  // a lens bends that little by less than a tenth of a px
-  const int pieces = 1 + static_cast<int>(s.Length() / kPiece_px);
-  LinePath path;
-  path.reserve(static_cast<size_t>(pieces) + 1);
-  for (int i = 0; i <= pieces; ++i) {
-    const double f = static_cast<double>(i) / pieces;
-    path.push_back(camera.Distort((1 - f) * s.start_px + f * s.end_px));
-  }
-  return path;
-}
-
-}  // namespace
-
 std::optional<std::string> DetectorOptions::Validate() const {
   if (const auto why = lines.Validate()) return "lines: " + *why;
   if (const auto why = descriptors.Validate()) return "descriptors: " + *why;
@@ -50,16 +31,8 @@ LineSet Detector::Detect(const cv::Mat& gray) const {
   const std::vector<EdgeSegment> segments = ExtractLines(gray, camera_, options_.lines);
   result.lines_ms = watch.Lap_ms();
 
-  // The longest come first.
-  std::vector<LinePath> paths;
-  for (const EdgeSegment& s : segments) {
-    if (s.Length() < options_.descriptors.min_length_px ||
-        static_cast<int>(paths.size()) >= options_.descriptors.max_lines) {
-      break;
-    }
-    paths.push_back(DistortedPath(camera_, s));
-  }
-  const std::vector<Descriptor> descriptors = DescribeLines(gray, paths, options_.descriptors);
+  const std::vector<Descriptor> descriptors =
+      DescribeLines(gray, camera_, segments, options_.descriptors);
   result.descriptors_ms = watch.Lap_ms();
 
   const VpEstimate vps = EstimateVanishingPoints(segments, camera_, options_.vps);

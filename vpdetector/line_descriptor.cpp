@@ -34,6 +34,23 @@ struct RowWeights {
   }
 };
 
+/// Points along a segment, straight pieces between them.
+using LinePath = std::vector<Eigen::Vector2d>;
+
+/// The way of a segment through the distorted image.
+LinePath DistortedPath(const Camera& camera, const EdgeSegment& s) {
+  if (!camera.HasDistortion()) return {s.start_px, s.end_px};
+  constexpr double kPiece_px = 16;  // a lens bends that little by less than a tenth of a px
+  const int pieces = 1 + static_cast<int>(s.Length() / kPiece_px);
+  LinePath path;
+  path.reserve(static_cast<size_t>(pieces) + 1);
+  for (int i = 0; i <= pieces; ++i) {
+    const double f = static_cast<double>(i) / pieces;
+    path.push_back(camera.Distort((1 - f) * s.start_px + f * s.end_px));
+  }
+  return path;
+}
+
 /// Points at even steps along the path.
 std::vector<Eigen::Vector2f> Resample(const LinePath& path, int count) {
   std::vector<double> at(path.size(), 0.0);
@@ -133,9 +150,16 @@ std::optional<std::string> LineDescriptorOptions::Validate() const {
   return std::nullopt;
 }
 
-std::vector<Descriptor> DescribeLines(const cv::Mat& gray, const std::vector<LinePath>& paths,
+std::vector<Descriptor> DescribeLines(const cv::Mat& gray, const Camera& camera,
+                                      const std::vector<EdgeSegment>& segments,
                                       const LineDescriptorOptions& options) {
   CV_Assert(gray.type() == CV_8UC1);
+  std::vector<LinePath> paths;
+  for (const EdgeSegment& s : segments) {
+    if (s.Length() < options.min_length_px) break;
+    if (static_cast<int>(paths.size()) >= options.max_lines) break;
+    paths.push_back(DistortedPath(camera, s));
+  }
   std::vector<Descriptor> descriptors;
   if (paths.empty() || gray.empty()) return descriptors;
   static const RowWeights kWeights;

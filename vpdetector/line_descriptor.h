@@ -19,6 +19,8 @@
 #include <opencv2/core.hpp>
 
 #include "core/features/features.h"
+#include "core/geometry/camera.h"
+#include "vpdetector/edge_fit.h"
 
 namespace vpslam {
 
@@ -32,13 +34,11 @@ struct LineDescriptorOptions {
   std::optional<std::string> Validate() const;
 };
 
-/// The way of a segment through the image as the lens shows it: straight pieces between these
-/// points. Its brighter side is on the same side for all segments.
-using LinePath = std::vector<Eigen::Vector2d>;
-
-/// Descriptors of `paths` in the CV_8UC1 image `gray`, in their order. What lies outside of the
-/// image counts as its nearest pixel. A path of fewer than two points gets a descriptor of zeros.
-std::vector<Descriptor> DescribeLines(const cv::Mat& gray, const std::vector<LinePath>& paths,
+/// Descriptors of the first `segments` in the CV_8UC1 image `gray`, as many as the options allow;
+/// `segments` come longest first. They are followed through the image as the lens shows it; what
+/// lies outside of it counts as its nearest pixel.
+std::vector<Descriptor> DescribeLines(const cv::Mat& gray, const Camera& camera,
+                                      const std::vector<EdgeSegment>& segments,
                                       const LineDescriptorOptions& options);
 
 }  // namespace vpslam

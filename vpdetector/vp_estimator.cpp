@@ -173,7 +173,9 @@ std::optional<std::string> VpOptions::Validate() const {
   if (const auto why = grid.Validate()) return why;
   if (!(min_length_px > 0)) return "min_length_px must be positive";
   if (!(same_line_px >= 0)) return "same_line_px must not be negative";
-  if (min_support < 2) return "min_support must be at least 2";
+  if (min_support < 2 || min_further_support < 2) {
+    return "min_support and min_further_support must be at least 2";
+  }
   if (!(max_false_alarms > 0)) return "max_false_alarms must be positive";
   if (!(min_separation_deg >= 0 && min_separation_deg < 90)) {
     return "min_separation_deg must lie in 0 to 90";
@@ -326,7 +328,9 @@ VpEstimate EstimateVanishingPoints(const std::vector<EdgeSegment>& segments, con
     const double log_alarms =
         std::log(std::max(1.0, 0.5 * n * (n - 1))) +
         LogBinomialTail(static_cast<int>(groups.size()), count, further_chance);
-    if (count < options.min_support || log_alarms > std::log(options.max_false_alarms)) break;
+    if (count < options.min_further_support || log_alarms > std::log(options.max_false_alarms)) {
+      break;
+    }
     const auto label = static_cast<int32_t>(estimate.vanishing_points.size());
     for (const size_t j : found->lines) {
       labels[j] = label;

@@ -45,6 +45,8 @@ struct VpOptions {
   double max_false_alarms = 0.01;
   /// Directions beside the three that are reported at most.
   int max_further = 3;
+  /// Distinct lines that one of them needs at least.
+  int min_further_support = 5;
   /// They lie at least this far from every other: closer ones are an axis again, of lines that miss
   /// its gate.
   double min_separation_deg = 10.0;
