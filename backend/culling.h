@@ -6,8 +6,8 @@
 
 #include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/messages/keyframe_proposal.h"
 #include "core/map/map.h"
+#include "core/messages/keyframe_proposal.h"
 
 namespace vpslam {
 

@@ -68,7 +68,7 @@ class Adjustment {
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
   }
 
-  BaSummary Solve(int max_iterations) {
+  BaSummary Solve(int max_iterations, double function_tolerance) {
     for (auto& [id, pose] : poses_) {
       if (!problem_.HasParameterBlock(pose.data())) continue;
       problem_.SetManifold(pose.data(), &manifold_);
@@ -82,7 +82,7 @@ class Adjustment {
     options.linear_solver_ordering = ordering_;
     options.num_threads = 1;
     options.max_num_iterations = max_iterations;
-    options.function_tolerance = 1e-4;
+    options.function_tolerance = function_tolerance;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     if (!costs_.empty()) ceres::Solve(options, &problem_, &summary);
@@ -173,7 +173,7 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
                         int max_iterations, Map* map) {
   const Window window = ChooseWindow(keyframe, options, *map);
   Adjustment adjustment(window, camera, scales, store, *map);
-  BaSummary summary = adjustment.Solve(max_iterations);
+  BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
   adjustment.WriteBack(map);
   summary.outliers = RemoveOutliers(window, camera, scales, store, map);
   for (const PointId point : window.points) UpdateView(point, store, scales, map);

@@ -10,19 +10,38 @@ namespace vpslam {
 
 /// Local bundle adjustment.
 struct LocalBaOptions {
-  int max_keyframes = 20;       ///< whose poses are moved: the new one and those that share most
-  int max_fixed_keyframes = 20; ///< others that see the same points: measured from, not moved
-  int min_shared_points = 15;   ///< with the new keyframe, to be moved
+  int max_keyframes = 20;        ///< whose poses are moved: the new one and those that share most
+  int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
+  int min_shared_points = 15;    ///< with the new keyframe, to be moved
   int max_iterations = 10;
   int max_iterations_to_start = 30;  ///< for the two views of a new map
+  double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
+
+  template <class V>
+  void Visit(V& v) {
+    v("max_keyframes", max_keyframes);
+    v("max_fixed_keyframes", max_fixed_keyframes);
+    v("min_shared_points", min_shared_points);
+    v("max_iterations", max_iterations);
+    v("max_iterations_to_start", max_iterations_to_start);
+    v("function_tolerance", function_tolerance);
+  }
 };
 
 /// New points.
 struct PointCreatorOptions {
-  int neighbours = 20;                    ///< keyframes to match with [Mur15: 20 for one camera]
-  double min_baseline_per_depth = 0.01;   ///< of the neighbour's median depth
-  double max_parallax_cosine = 0.9998;    ///< 1.15 degrees: less says nothing about depth
-  double max_scale_mismatch = 1.8;        ///< ratio of distances against ratio of octaves
+  int neighbours = 20;                   ///< keyframes to match with [Mur15: 20 for one camera]
+  double min_baseline_per_depth = 0.01;  ///< of the neighbour's median depth
+  double max_parallax_cosine = 0.9998;   ///< 1.15 degrees: less says nothing about depth
+  double max_scale_mismatch = 1.8;       ///< ratio of distances against ratio of octaves
+
+  template <class V>
+  void Visit(V& v) {
+    v("neighbours", neighbours);
+    v("min_baseline_per_depth", min_baseline_per_depth);
+    v("max_parallax_cosine", max_parallax_cosine);
+    v("max_scale_mismatch", max_scale_mismatch);
+  }
 };
 
 /// Duplicates.
@@ -31,6 +50,14 @@ struct PointFuserOptions {
   int second_neighbours = 5;  ///< of each neighbour
   double radius_px = 3.0;     ///< x scale of the octave
   int max_distance = 50;      ///< Hamming
+
+  template <class V>
+  void Visit(V& v) {
+    v("neighbours", neighbours);
+    v("second_neighbours", second_neighbours);
+    v("radius_px", radius_px);
+    v("max_distance", max_distance);
+  }
 };
 
 /// What is thrown away again.
@@ -40,6 +67,15 @@ struct CullingOptions {
   int min_observations = 3;          ///< ... has fewer observations goes
   double max_redundant_share = 0.9;  ///< of a keyframe's points seen by min_other_observers
   int min_other_observers = 3;       ///< at the same or a finer scale
+
+  template <class V>
+  void Visit(V& v) {
+    v("min_found_ratio", min_found_ratio);
+    v("probation_keyframes", probation_keyframes);
+    v("min_observations", min_observations);
+    v("max_redundant_share", max_redundant_share);
+    v("min_other_observers", min_other_observers);
+  }
 };
 
 struct MapperOptions {
@@ -49,6 +85,14 @@ struct MapperOptions {
   PointFuserOptions fuser;
   CullingOptions culling;
 
+  template <class V>
+  void Visit(V& v) {
+    v("orb", orb);
+    v("ba", ba);
+    v("creator", creator);
+    v("fuser", fuser);
+    v("culling", culling);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -12,9 +12,9 @@
 namespace vpslam {
 
 struct LocalMap {
-  KeyframeId reference;              ///< the keyframe that shares most points with the frame
+  KeyframeId reference;  ///< the keyframe that shares most points with the frame
   std::vector<KeyframeId> keyframes;
-  std::vector<PointId> points;       ///< ascending
+  std::vector<PointId> points;  ///< ascending
 };
 
 /// Around the points that the frame is matched with.

@@ -12,30 +12,58 @@ namespace vpslam {
 
 /// The first map, from two views.
 struct InitializerOptions {
-  int min_features = 100;   ///< an image with fewer cannot be one of the two views
-  int min_matches = 100;    ///< with fewer, the reference view is given up for the present one
-  int max_frames = 60;      ///< ... and also after as many frames without success
+  int min_features = 100;  ///< an image with fewer cannot be one of the two views
+  int min_matches = 100;   ///< with fewer, the reference view is given up for the present one
+  int max_frames = 60;     ///< ... and also after as many frames without success
   TwoViewOptions two_view;
+
+  template <class V>
+  void Visit(V& v) {
+    v("min_features", min_features);
+    v("min_matches", min_matches);
+    v("max_frames", max_frames);
+    v("two_view", two_view);
+  }
 };
 
 /// Search for what the last frame saw.
 struct MotionTrackingOptions {
-  double window_px = 15;    ///< x scale of the octave; doubled when too little is found
-  int min_matches = 20;     ///< fewer: double the window
-  int max_distance = 100;   ///< Hamming
-  int min_inliers = 10;     ///< fewer: the motion model has failed
+  double window_px = 15;   ///< x scale of the octave; doubled when too little is found
+  int min_matches = 20;    ///< fewer: double the window
+  int max_distance = 100;  ///< Hamming
+  int min_inliers = 10;    ///< fewer: the motion model has failed
+
+  template <class V>
+  void Visit(V& v) {
+    v("window_px", window_px);
+    v("min_matches", min_matches);
+    v("max_distance", max_distance);
+    v("min_inliers", min_inliers);
+  }
 };
 
 /// Search for the rest of the local map.
 struct LocalMapOptions {
   int max_keyframes = 80;
-  int neighbours = 10;        ///< of each keyframe that sees the same points
-  int max_distance = 100;     ///< Hamming
+  int neighbours = 10;     ///< of each keyframe that sees the same points
+  int max_distance = 100;  ///< Hamming
   double ratio = 0.8;
-  double radius_px = 4.0;     ///< x scale of the octave
+  double radius_px = 4.0;          ///< x scale of the octave
   double radius_frontal_px = 2.5;  ///< when seen from nearly the mean viewing direction
-  int min_inliers = 30;       ///< fewer: the frame is lost
+  int min_inliers = 30;            ///< fewer: the frame is lost
   int min_inliers_after_loss = 50;
+
+  template <class V>
+  void Visit(V& v) {
+    v("max_keyframes", max_keyframes);
+    v("neighbours", neighbours);
+    v("max_distance", max_distance);
+    v("ratio", ratio);
+    v("radius_px", radius_px);
+    v("radius_frontal_px", radius_frontal_px);
+    v("min_inliers", min_inliers);
+    v("min_inliers_after_loss", min_inliers_after_loss);
+  }
 };
 
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
@@ -43,6 +71,13 @@ struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
   int min_frames = 2;              ///< since the last keyframe
   int min_inliers = 15;
+
+  template <class V>
+  void Visit(V& v) {
+    v("max_tracked_ratio", max_tracked_ratio);
+    v("min_frames", min_frames);
+    v("min_inliers", min_inliers);
+  }
 };
 
 struct TrackerOptions {
@@ -59,6 +94,19 @@ struct TrackerOptions {
   int max_buffered_frames = 300;
   int late_frames_per_frame = 2;  ///< how many of these are worked on beside each new frame
 
+  template <class V>
+  void Visit(V& v) {
+    v("orb", orb);
+    v("num_features_to_start", num_features_to_start);
+    v("initializer", initializer);
+    v("motion", motion);
+    v("local_map", local_map);
+    v("keyframes", keyframes);
+    v("pose", pose);
+    v("probation_keyframes", probation_keyframes);
+    v("max_buffered_frames", max_buffered_frames);
+    v("late_frames_per_frame", late_frames_per_frame);
+  }
   std::optional<std::string> Validate() const;
 };
 

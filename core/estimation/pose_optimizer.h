@@ -25,6 +25,12 @@ struct PointMeasurement {
 struct PoseOptimizerOptions {
   int rounds = 4;
   int iterations_per_round = 10;
+
+  template <class V>
+  void Visit(V& v) {
+    v("rounds", rounds);
+    v("iterations_per_round", iterations_per_round);
+  }
 };
 
 struct PoseEstimate {

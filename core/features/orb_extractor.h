@@ -26,6 +26,15 @@ struct OrbOptions {
   int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level
 
+  template <class V>
+  void Visit(V& v) {
+    v("num_features", num_features);
+    v("num_levels", num_levels);
+    v("scale_factor", scale_factor);
+    v("fast_threshold", fast_threshold);
+    v("fast_threshold_low", fast_threshold_low);
+    v("cell_px", cell_px);
+  }
   std::optional<std::string> Validate() const;
 };
 

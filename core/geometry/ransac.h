@@ -22,6 +22,13 @@ struct RansacOptions {
     if (!(confidence > 0 && confidence < 1)) return "confidence must lie in 0 to 1";
     return std::nullopt;
   }
+
+  template <class V>
+  void Visit(V& v) {
+    v("max_iterations", max_iterations);
+    v("min_iterations", min_iterations);
+    v("confidence", confidence);
+  }
 };
 
 /// How many samples of `sample_size` are enough at this share of inliers.

@@ -61,6 +61,20 @@ struct TwoViewOptions {
   double homography_share = 0.45;
   RansacOptions ransac;
 
+  template <class V>
+  void Visit(V& v) {
+    v("min_matches", min_matches);
+    v("min_points", min_points);
+    v("min_parallax_rad", min_parallax_rad);
+    v("min_point_parallax_rad", min_point_parallax_rad);
+    v("min_displacement", min_displacement);
+    v("max_rotation_share", max_rotation_share);
+    v("max_direction_sigma_rad", max_direction_sigma_rad);
+    v("min_rival_points", min_rival_points);
+    v("max_rival_cost", max_rival_cost);
+    v("homography_share", homography_share);
+    v("ransac", ransac);
+  }
   std::optional<std::string> Validate() const;
 };
 

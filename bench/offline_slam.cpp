@@ -1,0 +1,89 @@
+// The whole system in one process, in lockstep and without LCM: for profiling and debugging. What
+// it computes is what `scripts/vpslam run --pace lockstep` computes.
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
+
+#include "backend/mapper.h"
+#include "core/base/settings.h"
+#include "frontend/tracker.h"
+#include "player/source_factory.h"
+#include "recorder/results.h"
+
+namespace vpslam {
+namespace {
+
+struct Arguments {
+  std::string sequence;
+  std::string out;
+  SourceOptions source;
+  uint64_t seed = 1;
+  std::string config;
+  std::vector<std::string> set;
+  bool verbose = false;
+};
+
+void Run(const Arguments& arguments) {
+  cv::setNumThreads(1);
+  const auto source = OpenSource(arguments.sequence, arguments.source);
+  Tracker tracker(source->camera(),
+                  LoadSettings<TrackerOptions>(arguments.config, "frontend", arguments.set),
+                  arguments.seed);
+  Mapper mapper(source->camera(),
+                LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set));
+  RunRecord record;
+  const auto take = [&](const Tracker::Output& output) {
+    for (const FramePose& pose : output.poses) {
+      record.Add(pose);
+      if (arguments.verbose) {
+        std::fprintf(stderr, "frame %ld state %d live %d inliers %d/%d keyframe %d\n",
+                     static_cast<long>(pose.frame_seq), static_cast<int>(pose.state), pose.live,
+                     pose.inliers, pose.matches, pose.keyframe.value);
+      }
+    }
+    for (const KeyframeProposal& proposal : output.keyframes) {
+      for (const MapDelta& delta : mapper.Process(proposal)) {
+        if (!tracker.Apply(delta) || !record.Apply(delta)) {
+          throw std::logic_error("a replica refused a delta");
+        }
+      }
+    }
+  };
+  int64_t seq = 0;
+  while (const auto frame = source->Next()) {
+    ImageFrame image;
+    image.frame_seq = seq++;
+    image.stamp_us = frame->stamp_us;
+    image.decode_ms = frame->decode_ms;
+    image.pixels = frame->grey;
+    take(tracker.Track(image));
+  }
+  take(tracker.Finish());
+  WriteResults(record, RunInfo(), ResultsFolder(arguments.out));
+}
+
+}  // namespace
+}  // namespace vpslam
+
+int main(int argc, char** argv) {
+  vpslam::Arguments arguments;
+  CLI::App app("The whole system in one process, without LCM");
+  app.add_option("sequence", arguments.sequence)->required();
+  app.add_option("--out", arguments.out)->required();
+  app.add_option("--camera", arguments.source.camera_file);
+  app.add_option("--start", arguments.source.start);
+  app.add_option("--frames", arguments.source.max_frames);
+  app.add_option("--seed", arguments.seed);
+  app.add_option("--config", arguments.config);
+  app.add_option("--set", arguments.set);
+  app.add_flag("--verbose", arguments.verbose);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    vpslam::Run(arguments);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "offline_slam: %s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,45 @@
+// Publishes what this process says of itself: at 1 Hz, and at once when its state changes.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include "core/messages/process_status.h"
+#include "core/transport/bus.h"
+#include "core/transport/publisher.h"
+
+namespace vpslam {
+
+class StatusReporter {
+ public:
+  StatusReporter(Bus& bus, const std::string& process);
+  /// Says the last word once more.
+  ~StatusReporter();
+
+  void SetState(ProcessState state, const std::string& message = "");
+  void AddProcessed(int64_t count = 1);
+  void SetQueued(int64_t count);
+  /// As it would be published now.
+  ProcessStatus Snapshot() const;
+
+ private:
+  void Tick();
+  void PublishLocked();
+  ProcessStatus SnapshotLocked() const;
+
+  Bus& bus_;
+  mutable std::mutex mutex_;
+  Publisher<ProcessStatus> publisher_;
+  ProcessStatus status_;
+  std::chrono::steady_clock::time_point last_published_;
+  int64_t processed_at_last_ = 0;
+  Bus::Registration timer_;
+};
+
+/// CPU time (user + system) of this process so far, and the most memory it ever had.
+double ProcessCpuSeconds();
+double ProcessPeakRssMb();
+
+}  // namespace vpslam
