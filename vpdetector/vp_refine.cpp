@@ -80,7 +80,7 @@ std::optional<std::string> VpModel::Validate() const {
     return "world_sigma_deg must lie in 0.01 to 10";
   }
   if (!(inlier_ratio > 0 && inlier_ratio < 1)) return "inlier_ratio must lie between 0 and 1";
-  if (!(prior_lines >= 4)) return "prior_lines must be at least 4";
+  if (!(prior_lines > 0)) return "prior_lines must be positive";
   return std::nullopt;
 }
 
