@@ -29,8 +29,7 @@ Eigen::Vector3d DirectionErrors_deg(const Eigen::Matrix3d& found, const Eigen::M
   do {
     Eigen::Vector3d errors;
     for (int k = 0; k < 3; ++k) {
-      errors[k] =
-          kDegrees * AxisAngle_rad(found.col(k), truth.col(order[static_cast<size_t>(k)]));
+      errors[k] = kDegrees * AxisAngle_rad(found.col(k), truth.col(order[static_cast<size_t>(k)]));
     }
     if (errors.sum() < best.sum()) best = errors;
   } while (std::next_permutation(order.begin(), order.end()));
@@ -80,8 +79,8 @@ double VpErrors::MeanCapped_deg() const {
 }
 
 double VpErrors::ShareOver5_percent() const {
-  const auto over = std::count_if(rotations_deg_.begin(), rotations_deg_.end(),
-                                  [](double e) { return e > 5; });
+  const auto over =
+      std::count_if(rotations_deg_.begin(), rotations_deg_.end(), [](double e) { return e > 5; });
   return 100.0 * static_cast<double>(over) / static_cast<double>(rotations_deg_.size());
 }
 

@@ -166,8 +166,7 @@ void Run(const std::string& data, const std::string& out_folder, bool annotated)
     }
     for (size_t i = 0; i < york.images.size(); ++i) {
       Stopwatch watch;
-      const std::vector<EdgeSegment> segments =
-          ExtractLines(pixels[i], york.camera, line_options);
+      const std::vector<EdgeSegment> segments = ExtractLines(pixels[i], york.camera, line_options);
       const double lines_ms = watch.Lap_ms();
       DescribeLines(pixels[i], york.camera, segments, LineDescriptorOptions());
       const double descriptors_ms = watch.Lap_ms();

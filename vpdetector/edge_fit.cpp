@@ -43,9 +43,8 @@ void SetEnds(const Eigen::Vector2d& start, const Eigen::Vector2d& end,
   segment->end_px = line.centre + d * d.dot(end - line.centre);
   // A line fitted to n independent points has 4 / n of their variance at its ends, 1 / n in its
   // middle.
-  const double independent =
-      std::max(2.0, std::min(segment->moments.points,
-                             segment->Length() / options.correlation_length_px));
+  const double independent = std::max(
+      2.0, std::min(segment->moments.points, segment->Length() / options.correlation_length_px));
   segment->sigma_px =
       std::max(options.min_sigma_px, 2.0 * std::sqrt(line.variance_px2 / independent));
 }

@@ -34,8 +34,8 @@ const char* Name(ManhattanState state) {
 /// Standard deviation of a direction in its worst direction.
 double WorstSigma_deg(const Eigen::Matrix2d& covariance_rad2) {
   const double half_trace = 0.5 * covariance_rad2.trace();
-  const double root = std::hypot(0.5 * (covariance_rad2(0, 0) - covariance_rad2(1, 1)),
-                                 covariance_rad2(0, 1));
+  const double root =
+      std::hypot(0.5 * (covariance_rad2(0, 0) - covariance_rad2(1, 1)), covariance_rad2(0, 1));
   return std::sqrt(std::max(0.0, half_trace + root)) * 180.0 / std::numbers::pi;
 }
 
@@ -79,8 +79,8 @@ cv::Mat DrawLineSet(const cv::Mat& gray, const Camera& camera, const LineSet& se
     std::vector<cv::Point> path;
     for (int i = 0; i <= pieces; ++i) {
       const double f = static_cast<double>(i) / pieces;
-      const Eigen::Vector2d x = camera.Distort((1 - f) * line.start_px.cast<double>() +
-                                               f * line.end_px.cast<double>());
+      const Eigen::Vector2d x =
+          camera.Distort((1 - f) * line.start_px.cast<double>() + f * line.end_px.cast<double>());
       path.emplace_back(static_cast<int>(std::lround(x.x() * kUnit)),
                         static_cast<int>(std::lround(x.y() * kUnit)));
     }
@@ -114,7 +114,8 @@ void RunImageTool(const ImageToolOptions& options, std::ostream& out) {
     WriteLineSet(file, set, out);
     if (options.draw_directory.empty()) continue;
     const std::string picture =
-        (fs::path(options.draw_directory) / (fs::path(file).stem().string() + "_lines.png")).string();
+        (fs::path(options.draw_directory) / (fs::path(file).stem().string() + "_lines.png"))
+            .string();
     bool written = false;
     try {
       written = cv::imwrite(picture, DrawLineSet(image.grey, camera, set));

@@ -9,14 +9,14 @@
 namespace vpslam {
 namespace {
 
-constexpr int kBands = 9;                  // [Zhang13] sec. 3.1
+constexpr int kBands = 9;  // [Zhang13] sec. 3.1
 constexpr int kRowsPerBand = 7;
 constexpr int kRows = kBands * kRowsPerBand;
-constexpr int kSums = 4;                   // along the normal +, -; along the direction +, -
+constexpr int kSums = 4;  // along the normal +, -; along the direction +, -
 
 struct RowWeights {
-  std::array<float, kRows> global;              ///< falls with the distance from the segment
-  std::array<float, 3 * kRowsPerBand> local;    ///< falls with the distance from the band's middle
+  std::array<float, kRows> global;            ///< falls with the distance from the segment
+  std::array<float, 3 * kRowsPerBand> local;  ///< falls with the distance from the band's middle
 
   RowWeights() {
     const double sigma_global = 0.5 * (kRows - 1);
@@ -91,7 +91,8 @@ Descriptor Describe(const cv::Mat& gradient, const LinePath& path, int max_sampl
     for (const Eigen::Vector2f& centre : centres) {
       const float x = std::clamp(centre.x() + offset * nx, 0.0f, max_x);
       const float y = std::clamp(centre.y() + offset * ny, 0.0f, max_y);
-      const auto g = gradient.ptr<cv::Vec2s>(static_cast<int>(y + 0.5f))[static_cast<int>(x + 0.5f)];
+      const auto g =
+          gradient.ptr<cv::Vec2s>(static_cast<int>(y + 0.5f))[static_cast<int>(x + 0.5f)];
       const float gx = g[0], gy = g[1];
       const float gn = gx * nx + gy * ny;
       const float gd = gx * dx + gy * dy;
@@ -116,7 +117,8 @@ Descriptor Describe(const cv::Mat& gradient, const LinePath& path, int max_sampl
       if (row < 0 || row >= kRows) continue;
       ++rows;
       for (size_t k = 0; k < kSums; ++k) {
-        const float value = weights.local[static_cast<size_t>(i)] * sums[static_cast<size_t>(row)][k];
+        const float value =
+            weights.local[static_cast<size_t>(i)] * sums[static_cast<size_t>(row)][k];
         sum[k] += value;
         square[k] += value * value;
       }

@@ -1,5 +1,6 @@
-// Line Band Descriptor, 256 bits. [Zhang13] L. Zhang, R. Koch, "An efficient and robust line segment
-// matching approach based on LBD descriptor and pairwise geometric consistency", JVCIR 24(7), 2013.
+// Line Band Descriptor, 256 bits. [Zhang13] L. Zhang, R. Koch, "An efficient and robust line
+// segment matching approach based on LBD descriptor and pairwise geometric consistency", JVCIR
+// 24(7), 2013.
 //
 // Nine bands of seven rows lie parallel to the segment. The gradients of a row are projected onto
 // the segment's normal and direction, and each part's positive and negative values are added up.

@@ -29,9 +29,8 @@ std::optional<std::string> LineExtractorOptions::Validate() const {
 std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
                                       const LineExtractorOptions& options) {
   std::vector<RawSegment> raw = DetectSegments(gray, options.detector);
-  std::erase_if(raw, [&](const RawSegment& s) {
-    return FollowsBorder(s, gray, options.border_px);
-  });
+  std::erase_if(raw,
+                [&](const RawSegment& s) { return FollowsBorder(s, gray, options.border_px); });
   std::vector<EdgeSegment> segments;
   segments.reserve(raw.size());
   for (const RawSegment& fragment : raw) {
@@ -44,8 +43,7 @@ std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
   const auto kept = static_cast<size_t>(options.max_lines);
   if (segments.size() > 4 * kept) segments.resize(4 * kept);
   segments = MergeSegments(std::move(segments), options.fit);
-  std::erase_if(segments,
-                [&](const EdgeSegment& s) { return s.Length() < options.min_length_px; });
+  std::erase_if(segments, [&](const EdgeSegment& s) { return s.Length() < options.min_length_px; });
   std::stable_sort(segments.begin(), segments.end(), ByLength);
   if (segments.size() > kept) segments.resize(kept);
   return segments;

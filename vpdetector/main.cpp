@@ -17,8 +17,9 @@ int main(int argc, char** argv) {
   std::string method = Name(options.detector.vps.method);
   app.add_option("--image", options.images, "image files; may be given several times")->required();
   app.add_option("--camera", options.camera_file, "calibration file of the images")->required();
-  app.add_option("--draw", options.draw_directory,
-                 "folder for pictures NAME_lines.png: axes red, green, blue, unlabelled lines grey");
+  app.add_option(
+      "--draw", options.draw_directory,
+      "folder for pictures NAME_lines.png: axes red, green, blue, unlabelled lines grey");
   app.add_option("--lines", lines, "line detector")
       ->check(CLI::IsMember({"lsd", "edlines", "fld"}))
       ->capture_default_str();

@@ -19,7 +19,8 @@ constexpr int kLongitudes = 360;  // degrees from the x axis
 /// atan(t) for t in [0, 1] to 1e-5 rad ([Abramowitz64] 4.4.49): a cell is 0.017 rad wide.
 inline float AtanUnit(float t) {
   const float u = t * t;
-  return t * (0.9998660f + u * (-0.3302995f + u * (0.1801410f + u * (-0.0851330f + u * 0.0208351f))));
+  return t *
+         (0.9998660f + u * (-0.3302995f + u * (0.1801410f + u * (-0.0851330f + u * 0.0208351f))));
 }
 
 /// atan2 in degrees, in [0, 360).
@@ -125,9 +126,8 @@ std::optional<TwoLineGridResult> SearchTwoLineGrid(const std::vector<VpLine>& li
   if (lines.size() < 3) return std::nullopt;
   std::vector<size_t> order(lines.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return lines[a].length_px > lines[b].length_px;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return lines[a].length_px > lines[b].length_px; });
   order.resize(std::min(order.size(), static_cast<size_t>(options.max_lines)));
   const Grid grid = Smooth(Vote(lines, order));
 
@@ -192,8 +192,8 @@ std::optional<TwoLineGridResult> SearchTwoLineGrid(const std::vector<VpLine>& li
       const Eigen::Vector2d way = d.head<2>() - d.z() * lines[i].middle;
       const double norm = way.norm();
       if (norm < 1e-12) continue;
-      const double sine = std::abs(way.x() * lines[i].direction.y() -
-                                   way.y() * lines[i].direction.x()) / norm;
+      const double sine =
+          std::abs(way.x() * lines[i].direction.y() - way.y() * lines[i].direction.x()) / norm;
       if (sine < nearest) {
         nearest = sine;
         best.labels[i] = k;

@@ -230,7 +230,8 @@ VpEstimate EstimateVanishingPoints(const std::vector<EdgeSegment>& segments, con
     // Into a fixed order, so that like images give like answers.
     const auto [r, order] = NearestToCameraAxes(fit->cam_from_manhattan);
     std::array<int32_t, 3> new_label{};
-    for (int32_t k = 0; k < 3; ++k) new_label[static_cast<size_t>(order[static_cast<size_t>(k)])] = k;
+    for (int32_t k = 0; k < 3; ++k)
+      new_label[static_cast<size_t>(order[static_cast<size_t>(k)])] = k;
     for (int32_t& label : fit->labels) {
       if (label >= 0) label = new_label[static_cast<size_t>(label)];
     }

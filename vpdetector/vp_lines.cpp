@@ -57,8 +57,8 @@ std::vector<int32_t> GroupByInfiniteLine(const std::vector<Eigen::Vector2d>& sta
     }
     if (group[i] >= 0) continue;
     group[i] = index;
-    const Eigen::Vector2f d = length[i] > 0 ? Eigen::Vector2f((b - a) / length[i])
-                                            : Eigen::Vector2f::UnitX();
+    const Eigen::Vector2f d =
+        length[i] > 0 ? Eigen::Vector2f((b - a) / length[i]) : Eigen::Vector2f::UnitX();
     leader.push_back(index);
     nx.push_back(-d.y());
     ny.push_back(d.x());

@@ -71,9 +71,8 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
   if (lines.size() < 3) return std::nullopt;
   std::vector<size_t> order(lines.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return lines[a].length_px > lines[b].length_px;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return lines[a].length_px > lines[b].length_px; });
   order.resize(std::min(order.size(), static_cast<size_t>(options.max_lines)));
 
   ScoredLines scored;
@@ -99,8 +98,7 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
 
   std::mt19937_64 rng(options.seed);
   const auto draw = [&]() -> const VpLine& {
-    const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1,
-                                     Uniform(rng) * sum);
+    const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1, Uniform(rng) * sum);
     return lines[order[static_cast<size_t>(at - cumulative.begin())]];
   };
   struct Hypothesis {
