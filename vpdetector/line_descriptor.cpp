@@ -166,7 +166,9 @@ std::vector<Descriptor> DescribeLines(const cv::Mat& gray, const Camera& camera,
   if (paths.empty() || gray.empty()) return descriptors;
   static const RowWeights kWeights;
   cv::Mat smooth, derivatives[2], gradient;
-  cv::GaussianBlur(gray, smooth, cv::Size(5, 5), 1.0);
+  // Isolated: of a part of a larger image nothing outside of it counts.
+  cv::GaussianBlur(gray, smooth, cv::Size(5, 5), 1.0, 1.0,
+                   cv::BORDER_DEFAULT | cv::BORDER_ISOLATED);
   cv::Sobel(smooth, derivatives[0], CV_16S, 1, 0);
   cv::Sobel(smooth, derivatives[1], CV_16S, 0, 1);
   cv::merge(derivatives, 2, gradient);

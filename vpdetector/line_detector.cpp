@@ -72,10 +72,13 @@ std::optional<std::string> LineDetectorOptions::Validate() const {
   return std::nullopt;
 }
 
-std::vector<RawSegment> DetectSegments(const cv::Mat& gray, const LineDetectorOptions& options) {
-  CV_Assert(gray.type() == CV_8UC1);
+std::vector<RawSegment> DetectSegments(const cv::Mat& image, const LineDetectorOptions& options) {
+  CV_Assert(image.type() == CV_8UC1);
   std::vector<RawSegment> segments;
-  if (gray.cols < 8 || gray.rows < 8) return segments;
+  if (image.cols < 8 || image.rows < 8) return segments;
+  // EdgeDrawing takes it for granted that rows follow one another in memory, and OpenCV's filters
+  // look beyond the border of a part of a larger image.
+  const cv::Mat gray = image.isContinuous() && !image.isSubmatrix() ? image : image.clone();
   std::vector<cv::Vec4f> found;
   switch (options.kind) {
     case LineDetectorKind::kLsd:

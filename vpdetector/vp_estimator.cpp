@@ -75,8 +75,7 @@ int DistinctLines(const std::vector<int32_t>& group, const std::vector<int32_t>&
 double ChanceOfFit(const std::vector<VpLine>& lines, const VpModel& model) {
   double sum = 0;
   for (const VpLine& line : lines) {
-    const double variance =
-        0.5 * (line.noise_a.squaredNorm() + line.noise_b.squaredNorm()) + model.WorldVariance();
+    const double variance = line.MeanEndPointVariance() + model.WorldVariance();
     const double gain = model.Gain(variance);
     if (gain > 0) sum += std::min(1.0, std::sqrt(2 * gain * variance));
   }
@@ -97,6 +96,13 @@ std::optional<Direction> FindDirection(const std::vector<VpLine>& lines,
   constexpr int kPairs = 100, kRounds = 5;
   const VpModel& model = options.model;
   if (candidates.size() < 2) return std::nullopt;
+  // As in FindManhattan, with the variance that a line has on average over directions.
+  std::vector<double> gain, half_information;
+  for (const size_t i : candidates) {
+    const double variance = lines[i].MeanEndPointVariance() + model.WorldVariance();
+    gain.push_back(lines[i].weight * model.Gain(variance));
+    half_information.push_back(lines[i].weight * 0.5 / variance);
+  }
   double best_score = 0;
   Direction best;
   for (int pair = 0; pair < kPairs; ++pair) {
@@ -108,8 +114,9 @@ std::optional<Direction> FindDirection(const std::vector<VpLine>& lines,
     if (norm < 0.02) continue;
     const Eigen::Vector3d d = cross / norm;
     double score = 0;
-    for (const size_t c : candidates) {
-      score += lines[c].weight * std::max(0.0, LineScore(lines[c], d, model));
+    for (size_t c = 0; c < candidates.size(); ++c) {
+      const double distance = lines[candidates[c]].normal.dot(d);
+      score += std::max(0.0, gain[c] - half_information[c] * distance * distance);
     }
     if (score > best_score) {
       best_score = score;

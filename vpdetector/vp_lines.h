@@ -38,6 +38,10 @@ struct VpLine {
     const double a = noise_a.dot(d), b = noise_b.dot(d);
     return a * a + b * b;
   }
+  /// The same where d is not known yet: on average over the line's great circle.
+  double MeanEndPointVariance() const {
+    return 0.5 * (noise_a.squaredNorm() + noise_b.squaredNorm());
+  }
 };
 
 /// Segment in undistorted px; `sigma_px` is the standard deviation of an end point across it.

@@ -39,12 +39,6 @@ struct ScoredLines {
   }
 };
 
-/// Variance where the vanishing direction is not known yet: on average over the line's great
-/// circle.
-double MeanVariance(const VpLine& line, double world_variance) {
-  return 0.5 * (line.noise_a.squaredNorm() + line.noise_b.squaredNorm()) + world_variance;
-}
-
 /// Angle between the two sets of undirected axes, whatever their order: the largest over columns of
 /// a of the angle to the nearest of b.
 double AxesDifference_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -80,7 +74,7 @@ std::optional<ManhattanFit> FindManhattan(const std::vector<VpLine>& lines, cons
   double sum = 0;
   for (const size_t i : order) {
     const VpLine& line = lines[i];
-    const double variance = MeanVariance(line, model.WorldVariance());
+    const double variance = line.MeanEndPointVariance() + model.WorldVariance();
     scored.x.push_back(static_cast<float>(line.normal.x()));
     scored.y.push_back(static_cast<float>(line.normal.y()));
     scored.z.push_back(static_cast<float>(line.normal.z()));

@@ -21,13 +21,15 @@ struct NormalEquations {
   double lines = 0;    ///< sum of weights
   double squares = 0;  ///< weighted sum of squared normalised residuals
 
-  void Add(const VpLine& line, const Eigen::Vector3d& d, double weight, double variance) {
+  /// `trust` in 0 to 1 is the robust weight. It counts for the step and the information that is left,
+  /// not for how well the lines fit.
+  void Add(const VpLine& line, const Eigen::Vector3d& d, double trust, double variance) {
     const Eigen::Vector3d jacobian = ResidualJacobian(line.normal, d);
     const double residual = line.normal.dot(d);
-    const double information = weight / variance;
-    h += information * jacobian * jacobian.transpose();
-    g += information * residual * jacobian;
-    lines += weight;
+    const double information = line.weight / variance;
+    h += trust * information * jacobian * jacobian.transpose();
+    g += trust * information * residual * jacobian;
+    lines += line.weight;
     squares += information * residual * residual;
   }
   Eigen::Vector3d Step() const {
@@ -47,16 +49,21 @@ struct Label {
   double score = 0;
   double variance = 1;
   double gain = 1;
+
+  /// Falls from 1 to 0 as the score does: a line at the gate must not pull, then jump.
+  double Trust() const { return score / gain; }
 };
 
-Label BestAxis(const VpLine& line, const Eigen::Matrix3d& r, const VpModel& model) {
+Label BestAxis(const VpLine& line, const Eigen::Matrix3d& r, const VpModel& model, double world,
+               double max_gain) {
   Label best;
-  const double world = model.WorldVariance();
   for (int32_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d d = r.col(k);
     const double distance = line.normal.dot(d);
     if (std::abs(distance) > 0.3) continue;  // 17 degrees: no line is that vague
     const double variance = line.EndPointVariance(d) + world;
+    // Most axes fail even with the largest gain there is, and need no logarithm.
+    if (0.5 * distance * distance > max_gain * variance) continue;
     const double gain = model.Gain(variance);
     const double score = gain - 0.5 * distance * distance / variance;
     if (score > best.score) best = {k, score, variance, gain};
@@ -96,12 +103,13 @@ ManhattanFit LabelLines(const std::vector<VpLine>& lines, const Eigen::Matrix3d&
   fit.cam_from_manhattan = cam_from_manhattan;
   fit.labels.reserve(lines.size());
   NormalEquations equations;
+  const double world = model.WorldVariance(), max_gain = model.Gain(world);
   for (const VpLine& line : lines) {
-    const Label label = BestAxis(line, cam_from_manhattan, model);
+    const Label label = BestAxis(line, cam_from_manhattan, model, world, max_gain);
     fit.labels.push_back(label.axis);
     if (label.axis < 0) continue;
     fit.score += line.weight * label.score;
-    equations.Add(line, cam_from_manhattan.col(label.axis), line.weight, label.variance);
+    equations.Add(line, cam_from_manhattan.col(label.axis), label.Trust(), label.variance);
   }
   fit.covariance_rad2 = equations.Covariance(model);
   return fit;
@@ -111,15 +119,14 @@ ManhattanFit RefineManhattan(const std::vector<VpLine>& lines, const Eigen::Matr
                              const VpModel& model, int max_iterations) {
   Eigen::Quaterniond q(start);
   q.normalize();
+  const double world = model.WorldVariance(), max_gain = model.Gain(world);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Eigen::Matrix3d r = q.toRotationMatrix();
     NormalEquations equations;
     for (const VpLine& line : lines) {
-      const Label label = BestAxis(line, r, model);
+      const Label label = BestAxis(line, r, model, world, max_gain);
       if (label.axis < 0) continue;
-      // Falls from 1 to 0 where the score does: a line at the gate must not pull and jump.
-      const double weight = label.score / label.gain;
-      equations.Add(line, r.col(label.axis), line.weight * weight, label.variance);
+      equations.Add(line, r.col(label.axis), label.Trust(), label.variance);
     }
     const Eigen::Vector3d step = equations.Step();
     q = (ExpSo3(step) * q).normalized();
@@ -140,8 +147,7 @@ ManhattanFit FitLabelledLines(const std::vector<VpLine>& lines, const std::vecto
     for (size_t i = 0; i < lines.size(); ++i) {
       if (labels[i] < 0) continue;
       const Eigen::Vector3d d = r.col(labels[i]);
-      equations.Add(lines[i], d, lines[i].weight,
-                    lines[i].EndPointVariance(d) + model.WorldVariance());
+      equations.Add(lines[i], d, 1.0, lines[i].EndPointVariance(d) + model.WorldVariance());
     }
     fit.covariance_rad2 = equations.Covariance(model);
     const Eigen::Vector3d step = equations.Step();

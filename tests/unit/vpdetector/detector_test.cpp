@@ -41,7 +41,7 @@ cv::Mat Facade(const Camera& camera, const Eigen::Quaterniond& cam_from_manhatta
       const double y = 1.2 * row - 0.4, z = 3 + 1.4 * column;
       window({2, y, z + 0.8}, {0, 0, -0.8}, {0, 0.7, 0});
       window({-2, y, z}, {0, 0, 0.8}, {0, 0.7, 0});
-      window({-1.5 + 0.8 * column, y, 9}, {0.5, 0, 0}, {0, 0.7, 0});
+      if (column % 2 == 0) window({-1.6 + 0.9 * column, y, 9}, {1.3, 0, 0}, {0, 0.7, 0});
     }
   }
   return RenderQuads(camera, quads, 60, 2.0);

@@ -114,7 +114,7 @@ TEST_P(LineExtractorTest, NoLinesOfTheFrameOfTheImage) {
 INSTANTIATE_TEST_SUITE_P(AllDetectors, LineExtractorTest,
                          testing::Values(LineDetectorKind::kLsd, LineDetectorKind::kEdLines,
                                          LineDetectorKind::kFld),
-                         [](const auto& info) { return Name(info.param); });
+                         [](const auto& instance) { return Name(instance.param); });
 
 EdgeSegment StraightSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   EdgeSegment s;

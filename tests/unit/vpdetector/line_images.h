@@ -16,7 +16,7 @@ namespace vpslam {
 
 /// A convex quadrilateral in undistorted px, brighter than what lies behind it if `value` is.
 struct Quad {
-  std::array<Eigen::Vector2d, 4> corners;
+  std::array<Eigen::Vector2d, 4> corners;  ///< in order of growing angle with y down
   double value;
 };
 
@@ -29,7 +29,7 @@ inline cv::Mat RenderQuads(const Camera& camera, const std::vector<Quad>& quads,
   std::normal_distribution<double> normal(0, 1);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const Eigen::Vector2d p = camera.Undistort(Eigen::Vector2d(x, y)).value_or(Eigen::Vector2d());
+      const Eigen::Vector2d p = camera.Undistort(Eigen::Vector2d(x, y)).value_or(Eigen::Vector2d(0, 0));
       double value = background;
       for (const Quad& quad : quads) {
         double inside = 1e9;  // signed distance to the border
