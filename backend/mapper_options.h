@@ -14,6 +14,7 @@ struct LocalBaOptions {
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
   int min_shared_points = 15;    ///< with the new keyframe, to be moved
   int max_iterations = 10;
+  int rounds = 1;               ///< of adjustment and removal of outliers
   int max_iterations_to_start = 30;  ///< for the two views of a new map
   double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
 
@@ -23,6 +24,7 @@ struct LocalBaOptions {
     v("max_fixed_keyframes", max_fixed_keyframes);
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
+    v("rounds", rounds);
     v("max_iterations_to_start", max_iterations_to_start);
     v("function_tolerance", function_tolerance);
   }

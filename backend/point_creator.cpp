@@ -48,7 +48,7 @@ bool Triangulate(const View& a, const View& b, const Camera& camera, const Scale
   const std::optional<Eigen::Vector3d> in_a = TriangulateTwoView(
       b.cam_from_world * a.cam_from_world.Inverse(),
       MakeRayMatch(camera, a.keypoint.Position(), b.keypoint.Position(),
-                   scales.scale(a.keypoint.octave), scales.scale(b.keypoint.octave)));
+                   scales.sigma_px(a.keypoint.octave), scales.sigma_px(b.keypoint.octave)));
   if (!in_a) return false;
   const Eigen::Vector3d x = a.cam_from_world.Inverse() * *in_a;
   if (!Agrees(a, x, camera, scales) || !Agrees(b, x, camera, scales)) return false;

@@ -66,7 +66,7 @@ class OrbExtractor::Impl {
       : camera_(Validated(camera)),
         options_(Validated(options)),
         bounds_(camera_.UndistortedBounds()),
-        scales_(options_.num_levels, options_.scale_factor),
+        scales_(options_.num_levels, options_.scale_factor, options_.sigma_px),
         pyramid_(camera_.width, camera_.height, scales_, 2 * kMargin_px + 1),
         detector_({.threshold = options_.fast_threshold,
                    .threshold_low = options_.fast_threshold_low,
