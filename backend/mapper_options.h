@@ -37,6 +37,7 @@ struct PointCreatorOptions {
   double max_parallax_cosine = 0.9998;   ///< 1.15 degrees: less says nothing about depth
   double max_parallax_rad = 0.5;         ///< between the rays: descriptors do not stand more
   double max_scale_mismatch = 1.8;       ///< ratio of distances against ratio of octaves
+  int max_distance = 50;                ///< Hamming
   double ratio = 0.9;                    ///< of descriptor distances, best to best elsewhere
   double min_depth_share = 0.3;          ///< of the depth that 95 % of the points exceed
 
@@ -47,6 +48,7 @@ struct PointCreatorOptions {
     v("max_parallax_cosine", max_parallax_cosine);
     v("max_parallax_rad", max_parallax_rad);
     v("max_scale_mismatch", max_scale_mismatch);
+    v("max_distance", max_distance);
     v("ratio", ratio);
     v("min_depth_share", min_depth_share);
   }

@@ -90,6 +90,7 @@ std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const Sca
     neighbours.resize(options.neighbours);
   }
   TriangulationMatchOptions matching;
+  matching.max_distance = options.max_distance;
   matching.ratio = static_cast<float>(options.ratio);
   matching.max_parallax_rad = options.max_parallax_rad;
   matching.min_depth = options.min_depth_share * DepthQuantile(*map, id, 0.05);

@@ -201,11 +201,10 @@ void Run(const std::string& folder, int first, int count, const OrbOptions& opti
              Median(number), *std::min_element(number.begin(), number.end()));
   fmt::print(
       "ms, median: total {:.2f} = pyramid {:.2f} + detection {:.2f} + distribution {:.2f} + "
-      "orientation {:.2f} + blur {:.2f} + description {:.2f} + position {:.2f}; grid {:.3f}\n",
+      "orientation {:.2f} + description {:.2f} + position {:.2f}; grid {:.3f}\n",
       Median(total_ms), stage(&OrbTimings::pyramid_ms), stage(&OrbTimings::detection_ms),
       stage(&OrbTimings::distribution_ms), stage(&OrbTimings::orientation_ms),
-      stage(&OrbTimings::blur_ms), stage(&OrbTimings::description_ms),
-      stage(&OrbTimings::position_ms), Median(grid_ms));
+      stage(&OrbTimings::description_ms), stage(&OrbTimings::position_ms), Median(grid_ms));
   for (const int gap : {1, 5, 15}) MeasureMatching(frames, gap, camera, extractor.scales());
 }
 

@@ -11,14 +11,13 @@
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
 #include "core/features/orientation.h"
-#include "core/features/smoothing.h"
 
 namespace vpslam {
 namespace {
 
 /// Key points keep this distance from the border of their level: the discs for orientation and
 /// descriptor must lie inside, the latter after rounding.
-constexpr int kMargin_px = std::max(kOrientationRadius_px, kPatternRadius_px) + 1;
+constexpr int kMargin_px = std::max(kOrientationRadius_px + 1, kDescriptorMargin_px);
 
 /// Adds the time it lives to a sum of ms.
 class Stopwatch {
@@ -73,9 +72,7 @@ class OrbExtractor::Impl {
                    .cell_px = options_.cell_px,
                    .margin_px = kMargin_px}),
         distribution_(options_.distribution),
-        corners_(pyramid_.num_levels()),
-        smoothed_(pyramid_.AllocateAlike(&smoothed_buffer_)),
-        describer_(pyramid_.row_step(), kOrbPattern) {}
+        corners_(pyramid_.num_levels()) {}
 
   Features Extract(const cv::Mat& image) {
     if (image.type() != CV_8UC1 || image.cols != camera_.width || image.rows != camera_.height) {
@@ -140,16 +137,10 @@ class OrbExtractor::Impl {
         keypoints[i].angle_rad = angles_rad_[i];
       }
     }
-    cv::Mat& smoothed = smoothed_[octave];
-    {
-      const Stopwatch watch(&timings_.blur_ms);
-      smoother_.Smooth(level, &smoothed);
-    }
     const Stopwatch watch(&timings_.description_ms);
-    for (size_t i = 0; i < corners.size(); ++i) {
-      features->descriptors.push_back(
-          describer_.Describe(smoothed.ptr<uint8_t>(corners[i].y) + corners[i].x, angles_rad_[i]));
-    }
+    const std::vector<Descriptor> descriptors = Describe(level, corners, angles_rad_);
+    features->descriptors.insert(features->descriptors.end(), descriptors.begin(),
+                                 descriptors.end());
     features->keypoints.insert(features->keypoints.end(), keypoints.begin(), keypoints.end());
   }
 
@@ -161,10 +152,6 @@ class OrbExtractor::Impl {
   CornerDetector detector_;
   KeypointDistribution distribution_;
   std::vector<std::vector<Corner>> corners_;  ///< per level
-  cv::Mat smoothed_buffer_;
-  std::vector<cv::Mat> smoothed_;  ///< per level
-  Smoother smoother_;
-  OrbDescriber describer_;
   std::vector<float> angles_rad_;
   OrbTimings timings_;
 };

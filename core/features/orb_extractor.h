@@ -49,7 +49,6 @@ struct OrbTimings {
   double detection_ms = 0;     ///< FAST
   double distribution_ms = 0;  ///< choice of the corners that are kept
   double orientation_ms = 0;
-  double blur_ms = 0;
   double description_ms = 0;
   double position_ms = 0;  ///< to fractions of pixels, undistorted
 };
