@@ -131,7 +131,7 @@ class Adjustment {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
-      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.scale(keypoint.octave));
+      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.sigma_px(keypoint.octave));
       problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position.data());
       used = true;
     }
@@ -183,11 +183,16 @@ int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyrami
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const LocalBaOptions& options,
                         int max_iterations, Map* map) {
-  const Window window = ChooseWindow(keyframe, options, *map);
-  Adjustment adjustment(window, camera, scales, store, *map);
-  BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
-  adjustment.WriteBack(map);
-  summary.outliers = RemoveOutliers(window, camera, scales, store, map);
+  Window window = ChooseWindow(keyframe, options, *map);
+  BaSummary summary;
+  for (int round = 0; round < options.rounds; ++round) {
+    Adjustment adjustment(window, camera, scales, store, *map);
+    summary = adjustment.Solve(max_iterations, options.function_tolerance);
+    adjustment.WriteBack(map);
+    summary.outliers = RemoveOutliers(window, camera, scales, store, map);
+    std::erase_if(window.points, [map](PointId id) { return !map->Find(id); });
+    if (summary.outliers == 0) break;
+  }
   for (const PointId point : window.points) UpdateView(point, store, scales, map);
   return summary;
 }

@@ -20,7 +20,7 @@ class Mapper::Impl {
       : camera_(camera),
         bounds_(camera.UndistortedBounds()),
         options_(options),
-        scales_(options.orb.num_levels, options.orb.scale_factor),
+        scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
         probation_(options.culling) {}
 
   std::vector<MapDelta> Process(const KeyframeProposal& proposal) {

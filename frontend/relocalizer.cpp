@@ -19,7 +19,7 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
     if (!point) continue;
     const Keypoint& keypoint = frame->features.keypoints[i];
     matches.push_back(
-        {point->position, keypoint.Position(), context.scales.scale(keypoint.octave)});
+        {point->position, keypoint.Position(), context.scales.sigma_px(keypoint.octave)});
     features.push_back(i);
   }
   const auto pose = EstimatePnp(context.camera, matches, PnpOptions(), rng);

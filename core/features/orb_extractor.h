@@ -23,6 +23,7 @@ struct OrbOptions {
   int num_features = 1000;     ///< to be found per image, over all levels; an upper limit
   int num_levels = 8;          ///< of the pyramid; tiny images get fewer
   double scale_factor = 1.2;   ///< between levels
+  double sigma_px = 1.0;       ///< accuracy of a corner on level 0
   int fast_threshold = 20;     ///< grey levels by which a corner's arc differs from its centre
   int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level
@@ -33,9 +34,11 @@ struct OrbOptions {
     v("num_features", num_features);
     v("num_levels", num_levels);
     v("scale_factor", scale_factor);
+    v("sigma_px", sigma_px);
     v("fast_threshold", fast_threshold);
     v("fast_threshold_low", fast_threshold_low);
     v("cell_px", cell_px);
+    v("distribution", distribution);
   }
   std::optional<std::string> Validate() const;
 };

@@ -2,7 +2,7 @@
 // its distance.
 //
 // Level o is the image made smaller by scale(o) = factor^o. A corner found there is accurate to
-// about scale(o) level-0 px, hence sigma2(o) = scale(o)^2, in units of the variance on level 0.
+// sigma(o) = scale(o) x sigma_px, sigma_px being the accuracy on level 0.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace vpslam {
 
 class ScalePyramid {
  public:
-  ScalePyramid(int num_levels, double factor) : factor_(factor), log_factor_(std::log(factor)) {
+  ScalePyramid(int num_levels, double factor, double sigma_px = 1.0)
+      : factor_(factor), log_factor_(std::log(factor)), sigma_px_(sigma_px) {
     scales_.reserve(num_levels);
     double scale = 1.0;
     for (int i = 0; i < num_levels; ++i, scale *= factor) scales_.push_back(scale);
@@ -23,8 +24,10 @@ class ScalePyramid {
   double factor() const { return factor_; }
   /// Size of a pixel of the level in level-0 px.
   double scale(int octave) const { return scales_[octave]; }
-  /// Variance of a key point's position, in (level-0 sigma)^2.
-  double sigma2(int octave) const { return scales_[octave] * scales_[octave]; }
+  /// Standard deviation of a key point's coordinates, level-0 px.
+  double sigma_px(int octave) const { return scales_[octave] * sigma_px_; }
+  /// Their variance, px^2.
+  double sigma2(int octave) const { return sigma_px(octave) * sigma_px(octave); }
 
   /// Distance at which a point, seen at `octave` from `distance`, would be seen at octave 0. Unit
   /// of length as that of `distance`.
@@ -41,6 +44,7 @@ class ScalePyramid {
  private:
   double factor_;
   double log_factor_;
+  double sigma_px_;
   std::vector<double> scales_;
 };
 
