@@ -68,7 +68,7 @@ class Interruption(system.SystemTest):
         self.assertTrue(segment.exists())
         os.kill(run["launcher"]["pid"], signal.SIGKILL)
         self.finish(process)
-        self.wait_until(lambda: not self.running(), "the guardian", timeout_s=20)
+        self.wait_until(lambda: not self.processes_left(), "the end of the guardian")
         self.assert_nothing_left()
 
 

@@ -93,7 +93,7 @@ class SystemTest(unittest.TestCase):
             self.assertEqual((first / name).read_bytes(), (second / name).read_bytes(),
                              f"{name} differs between two runs")
 
-    def assert_nothing_left(self):
+    def processes_left(self):
         left = []
         for entry in pathlib.Path("/proc").glob("[0-9]*"):
             try:
@@ -101,7 +101,10 @@ class SystemTest(unittest.TestCase):
                     left.append((entry / "cmdline").read_bytes().split(b"\0")[:2])
             except OSError:
                 pass
-        self.assertEqual(left, [], "processes are left")
+        return left
+
+    def assert_nothing_left(self):
+        self.assertEqual(self.processes_left(), [], "processes are left")
         runtime = self.folder / "runtime" / "vpslam"
         self.assertEqual(list(runtime.glob("*")), [], "a run is still registered")
         for session in self.sessions:

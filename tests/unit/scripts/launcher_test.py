@@ -16,6 +16,7 @@ import uuid
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 TOOLS = SOURCE / "scripts" / "vpslam_tools"
 FAKE = pathlib.Path(__file__).resolve().parent / "fake_process.py"
+PATIENCE_S = 60  # on a busy machine
 NAMES = ["player", "frontend", "backend", "recorder"]
 
 
@@ -46,7 +47,7 @@ class LauncherTest(unittest.TestCase):
                      XDG_RUNTIME_DIR=str(self.folder / "runtime"), **environment))
 
     def finish(self, process):
-        output, _ = process.communicate(timeout=60)
+        output, _ = process.communicate(timeout=120)
         return process.returncode, output
 
     def registered(self):
@@ -54,12 +55,13 @@ class LauncherTest(unittest.TestCase):
 
     def wait_until_running(self):
         """Returns the registered run once all its processes live and have begun."""
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline:
             for path in self.registered():
                 run = json.loads(path.read_text())
                 logs = [pathlib.Path(run["out"], "logs", f"{name}.log") for name in NAMES]
-                if all(log.exists() and "begins" in log.read_text() for log in logs):
+                if (sorted(run["processes"]) == sorted(NAMES)
+                        and all(log.exists() and "begins" in log.read_text() for log in logs)):
                     return run
             time.sleep(0.02)
         self.fail("the processes did not start")
@@ -78,6 +80,7 @@ class LauncherTest(unittest.TestCase):
         return set(pathlib.Path("/dev/shm").glob("vpslam-*"))
 
     def assert_nothing_left(self, patience_s=0.0):
+        """`patience_s`: for what ends only after the launcher."""
         deadline = time.monotonic() + patience_s
         while time.monotonic() < deadline and (self.left_running() or self.registered()):
             time.sleep(0.05)
@@ -112,7 +115,7 @@ class GoodRun(LauncherTest):
         self.assertEqual(len(ports), 2)
 
     def test_a_run_is_registered_while_it_lasts(self):
-        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
                              patch="supervisor.INTERRUPT_S = 5")
         run = self.wait_until_running()
         self.assertEqual(os.stat(self.registered()[0].parent).st_mode & 0o777, 0o700)
@@ -128,7 +131,7 @@ class GoodRun(LauncherTest):
 
 class Interrupted(LauncherTest):
     def test_ctrl_c_ends_early_with_results(self):
-        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30")
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300")
         self.wait_until_running()
         process.send_signal(signal.SIGINT)
         status, output = self.finish(process)
@@ -148,19 +151,19 @@ class Interrupted(LauncherTest):
         self.assert_nothing_left()
 
     def test_killed_launcher_leaves_nothing(self):
-        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
                              FAKE_FRONTEND="hang")
         self.wait_until_running()
         self.assertNotEqual(self.segments(), self.segments_before)
         process.kill()
         self.finish(process)
-        self.assert_nothing_left(patience_s=10)
+        self.assert_nothing_left(patience_s=PATIENCE_S)
 
 
 class FailingProcess(LauncherTest):
     def test_failure_is_told_with_the_log(self):
         status, output = self.finish(self.start("run", "room", "--out", "out",
-                                                FAKE_FRONTEND="fail", FAKE_SECONDS="30"))
+                                                FAKE_FRONTEND="fail", FAKE_SECONDS="300"))
         self.assertEqual(status, 1)
         self.assertIn("frontend failed with exit code 3", output)
         self.assertIn("cannot read the stars; clean the lens", output)
@@ -171,14 +174,14 @@ class FailingProcess(LauncherTest):
     def test_killed_process(self):
         for name in NAMES:
             with self.subTest(name):
-                process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30")
+                out = self.folder / f"{name}_killed"
+                process = self.start("run", "room", "--out", str(out), FAKE_SECONDS="300")
                 run = self.wait_until_running()
                 os.kill(run["processes"][name]["pid"], signal.SIGKILL)
                 status, output = self.finish(process)
                 self.assertEqual(status, 1)
                 self.assertIn(f"{name} was killed by SIGKILL", output)
-                self.assertEqual((self.folder / "out" / "summary.json").exists(),
-                                 name != "recorder")
+                self.assertEqual((out / "summary.json").exists(), name != "recorder")
                 self.assert_nothing_left()
                 for done in self.folder.glob("*.done"):
                     done.unlink()
@@ -192,7 +195,7 @@ class FailingProcess(LauncherTest):
         self.assert_nothing_left()
 
     def test_process_that_ends_too_early(self):
-        status, output = self.finish(self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+        status, output = self.finish(self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
                                                 FAKE_BACKEND="early",
                                                 patch="supervisor.OUT_OF_TURN_S = 0.3"))
         self.assertEqual(status, 1)
