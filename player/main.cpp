@@ -1,6 +1,9 @@
-// player: plays a sequence of images into the graph.
+// player: plays a sequence of images into the graph, or renders a simulated one to files.
+#include <algorithm>
 #include <atomic>
+#include <exception>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
@@ -8,6 +11,7 @@
 #include "core/transport/process.h"
 #include "player/decode_ahead.h"
 #include "player/play.h"
+#include "player/render_to_folder.h"
 #include "player/source_factory.h"
 
 namespace {
@@ -34,9 +38,43 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
   return kExitOk;
 }
 
+/// Needs no graph and no network, so it has a command line of its own.
+int Render(int argc, char** argv) {
+  CLI::App app(
+      "Renders a simulated sequence to a folder in the layout of the TUM RGB-D benchmark.");
+  std::string scene, folder;
+  app.add_option("--render", scene,
+                 "sim:room or sim:corridor; with keys: sim:room?seed=1&frames=600&noise=1&"
+                 "distortion=0")
+      ->required();
+  app.add_option("--to", folder, "folder to write, new or empty")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  }
+  try {
+    simulator::Simulator simulator = simulator::Simulator::Create(scene);
+    RenderToFolder(simulator, folder, [&simulator](int written) {
+      if (written % 100 == 0 || written == simulator.frames()) {
+        spdlog::info("rendered {} of {} frames", written, simulator.frames());
+      }
+    });
+    spdlog::info("{} holds images, truth, camera.yaml, lines3d.txt and manhattan.txt", folder);
+    return kExitOk;
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    return kExitFailed;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (std::any_of(argv + 1, argv + argc,
+                  [](std::string_view arg) { return arg.starts_with("--render"); })) {
+    return Render(argc, argv);
+  }
   CLI::App app("Plays a sequence of images into the VP-SLAM process graph.");
   std::string sequence;
   SourceOptions source_options;
@@ -44,7 +82,10 @@ int main(int argc, char** argv) {
   ProcessOptions options;
   options.name = "player";
   options.required = {"frontend"};
-  app.add_option("sequence", sequence, "folder with rgb.txt and camera.yaml (TUM RGB-D layout)")
+  app.footer("player --render sim:room --to DIR writes a simulated sequence to files instead.");
+  app.add_option(
+         "sequence", sequence,
+         "folder with rgb.txt and camera.yaml (TUM RGB-D layout), or sim:room, sim:corridor")
       ->required();
   app.add_option("--camera", source_options.camera_file,
                  "calibration file, instead of the sequence's camera.yaml");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "player/sim_source.h"
 #include "player/tum_folder.h"
 
 namespace vpslam {
@@ -16,7 +17,8 @@ struct SourceKind {
   std::unique_ptr<ImageSource> (*open)(const std::string& name, const SourceOptions& options);
 };
 
-constexpr std::array kSourceKinds = {SourceKind{IsTumFolder, OpenTumFolder}};
+constexpr std::array kSourceKinds = {SourceKind{IsSimulation, OpenSimulation},
+                                     SourceKind{IsTumFolder, OpenTumFolder}};
 
 }  // namespace
 
@@ -27,7 +29,7 @@ std::unique_ptr<ImageSource> OpenSource(const std::string& name, const SourceOpt
   }
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
-    throw std::runtime_error(name + ": does not exist; name the folder of a sequence");
+    throw std::runtime_error(name + ": does not exist; name the folder of a sequence, or sim:room");
   }
   throw std::runtime_error(name +
                            ": holds no rgb.txt; name a folder in the layout of the TUM RGB-D "
