@@ -239,7 +239,7 @@ class ImageFetcher::Impl {
     if (fd < 0) {
       *why = fmt::format(
           "shared memory {} cannot be opened ({}); a player on another host needs "
-          "--inline-images",
+          "--inline",
           segment, std::strerror(errno));
       return std::nullopt;
     }
