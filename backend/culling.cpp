@@ -22,8 +22,8 @@ void PointProbation::Cull(int keyframe_count, Map* map) {
     if (point) {
       const auto observations = static_cast<int>(point->observations.size());
       const bool missed = record.found < options_.min_found_ratio * record.visible;
-      const bool lonely = age >= options_.probation_keyframes - 1 &&
-                          observations < options_.min_observations;
+      const bool lonely =
+          age >= options_.probation_keyframes - 1 && observations < options_.min_observations;
       if (missed || lonely) {
         map->Erase(id);
         done = true;

@@ -4,6 +4,8 @@
 #include <deque>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include <ceres/ceres.h>
 
@@ -60,20 +62,28 @@ class Adjustment {
  public:
   Adjustment(const Window& window, const Camera& camera, const ScalePyramid& scales,
              const KeyframeStore& store, const Map& map)
-      : window_(window), camera_(camera), scales_(scales), problem_(ProblemOptions()),
+      : window_(window),
+        camera_(camera),
+        scales_(scales),
+        problem_(ProblemOptions()),
         ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
-    for (const auto& ids : {window.moved, window.fixed}) {
-      for (const KeyframeId id : ids) poses_[id] = ToParameters(map.Find(id)->cam_from_world);
+    std::set<KeyframeId> keyframes = window.moved;
+    keyframes.insert(window.fixed.begin(), window.fixed.end());
+    pose_storage_.reserve(keyframes.size());
+    for (const KeyframeId id : keyframes) {
+      pose_storage_.push_back(ToParameters(map.Find(id)->cam_from_world));
+      poses_[id] = pose_storage_.back().data();
     }
+    positions_.reserve(window.points.size());
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
   }
 
   BaSummary Solve(int max_iterations, double function_tolerance) {
-    for (auto& [id, pose] : poses_) {
-      if (!problem_.HasParameterBlock(pose.data())) continue;
-      problem_.SetManifold(pose.data(), &manifold_);
-      ordering_->AddElementToGroup(pose.data(), 1);
-      if (window_.fixed.contains(id)) problem_.SetParameterBlockConstant(pose.data());
+    for (const auto& [id, pose] : poses_) {
+      if (!problem_.HasParameterBlock(pose)) continue;
+      problem_.SetManifold(pose, &manifold_);
+      ordering_->AddElementToGroup(pose, 1);
+      if (window_.fixed.contains(id)) problem_.SetParameterBlockConstant(pose);
     }
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -99,7 +109,7 @@ class Adjustment {
 
   void WriteBack(Map* map) const {
     for (const KeyframeId id : window_.moved) {
-      map->SetPose(id, FromParameters(poses_.at(id).data()));
+      map->SetPose(id, FromParameters(poses_.at(id)));
     }
     for (const auto& [id, position] : positions_) map->SetPosition(id, position);
   }
@@ -115,21 +125,20 @@ class Adjustment {
   }
 
   void AddPoint(const MapPoint& point, const KeyframeStore& store) {
-    Eigen::Vector3d& position = positions_[point.id];
-    position = point.position;
+    Eigen::Vector3d& position = positions_.emplace_back(point.id, point.position).second;
     bool used = false;
     for (const Observation& o : point.observations) {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
       costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.scale(keypoint.octave));
-      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second.data(), position.data());
+      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position.data());
       used = true;
     }
     if (used) {
       ordering_->AddElementToGroup(position.data(), 0);
     } else {
-      positions_.erase(point.id);
+      positions_.pop_back();
     }
   }
 
@@ -139,8 +148,11 @@ class Adjustment {
   Se3Manifold manifold_;
   ceres::HuberLoss loss_{std::sqrt(kChi2Dof2)};
   std::deque<PointCost> costs_;
-  std::map<KeyframeId, PoseParameters> poses_;
-  std::map<PointId, Eigen::Vector3d> positions_;
+  // Ceres orders the blocks of a group by their addresses, and rounding depends on that order. So
+  // the blocks lie one after the other by id, wherever the heap happens to have room.
+  std::vector<PoseParameters> pose_storage_;
+  std::map<KeyframeId, double*> poses_;
+  std::vector<std::pair<PointId, Eigen::Vector3d>> positions_;
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
 };

@@ -22,8 +22,7 @@ Keyframe ToKeyframe(const KeyframeProposal& proposal, KeyframeId parent) {
 
 std::vector<PointId> StartMap(const KeyframeProposal& first, const KeyframeProposal& second,
                               const Camera& camera, const ScalePyramid& scales,
-                              const KeyframeStore& store, const LocalBaOptions& options,
-                              Map* map) {
+                              const KeyframeStore& store, const LocalBaOptions& options, Map* map) {
   map->Insert(ToKeyframe(first, KeyframeId()));
   map->Insert(ToKeyframe(second, first.id));
   std::vector<PointId> points;

@@ -33,14 +33,20 @@ struct PointCreatorOptions {
   int neighbours = 20;                   ///< keyframes to match with [Mur15: 20 for one camera]
   double min_baseline_per_depth = 0.01;  ///< of the neighbour's median depth
   double max_parallax_cosine = 0.9998;   ///< 1.15 degrees: less says nothing about depth
+  double max_parallax_rad = 0.5;         ///< between the rays: descriptors do not stand more
   double max_scale_mismatch = 1.8;       ///< ratio of distances against ratio of octaves
+  double ratio = 0.9;                    ///< of descriptor distances, best to best elsewhere
+  double min_depth_share = 0.3;          ///< of the depth that 95 % of the points exceed
 
   template <class V>
   void Visit(V& v) {
     v("neighbours", neighbours);
     v("min_baseline_per_depth", min_baseline_per_depth);
     v("max_parallax_cosine", max_parallax_cosine);
+    v("max_parallax_rad", max_parallax_rad);
     v("max_scale_mismatch", max_scale_mismatch);
+    v("ratio", ratio);
+    v("min_depth_share", min_depth_share);
   }
 };
 

@@ -65,7 +65,7 @@ bool Triangulate(const View& a, const View& b, const Camera& camera, const Scale
 
 }  // namespace
 
-double MedianDepth(const Map& map, KeyframeId id) {
+double DepthQuantile(const Map& map, KeyframeId id, double quantile) {
   const Keyframe* keyframe = map.Find(id);
   std::vector<double> depths;
   for (const PointId point_id : keyframe->points) {
@@ -74,9 +74,10 @@ double MedianDepth(const Map& map, KeyframeId id) {
     }
   }
   if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<int>(depths.size()) / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  const auto at =
+      depths.begin() + static_cast<int>(quantile * static_cast<double>(depths.size() - 1));
+  std::nth_element(depths.begin(), at, depths.end());
+  return *at;
 }
 
 std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const ScalePyramid& scales,
@@ -88,27 +89,31 @@ std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const Sca
   if (static_cast<int>(neighbours.size()) > options.neighbours) {
     neighbours.resize(options.neighbours);
   }
+  TriangulationMatchOptions matching;
+  matching.ratio = static_cast<float>(options.ratio);
+  matching.max_parallax_rad = options.max_parallax_rad;
+  matching.min_depth = options.min_depth_share * DepthQuantile(*map, id, 0.05);
   for (const auto& [neighbour_id, shared] : neighbours) {
     const Keyframe& keyframe = *map->Find(id);
     const Keyframe& neighbour = *map->Find(neighbour_id);
     const double baseline = (keyframe.Center() - neighbour.Center()).norm();
-    if (baseline < options.min_baseline_per_depth * MedianDepth(*map, neighbour_id)) continue;
+    if (baseline < options.min_baseline_per_depth * DepthQuantile(*map, neighbour_id, 0.5))
+      continue;
     const Features& neighbour_features = store.at(neighbour_id).features;
     const std::vector<int32_t> free = FreeFeatures(keyframe, features.size());
-    const std::vector<int32_t> neighbour_free =
-        FreeFeatures(neighbour, neighbour_features.size());
+    const std::vector<int32_t> neighbour_free = FreeFeatures(neighbour, neighbour_features.size());
     const SE3 neighbour_from_keyframe =
         neighbour.cam_from_world * keyframe.cam_from_world.Inverse();
     const std::vector<Match> matches =
         MatchForTriangulation(features, free, neighbour_features, neighbour_free,
-                              neighbour_from_keyframe, camera, scales);
+                              neighbour_from_keyframe, camera, scales, matching);
     for (const Match& match : matches) {
       Eigen::Vector3d position;
-      if (!Triangulate({keyframe.cam_from_world, keyframe.Center(),
-                        features.keypoints[match.first]},
-                       {neighbour.cam_from_world, neighbour.Center(),
-                        neighbour_features.keypoints[match.second]},
-                       camera, scales, options, &position)) {
+      if (!Triangulate(
+              {keyframe.cam_from_world, keyframe.Center(), features.keypoints[match.first]},
+              {neighbour.cam_from_world, neighbour.Center(),
+               neighbour_features.keypoints[match.second]},
+              camera, scales, options, &position)) {
         continue;
       }
       const PointId point = map->CreatePoint(keyframe.map, id, position);

@@ -15,7 +15,11 @@ class Fuser {
  public:
   Fuser(const Camera& camera, const Camera::Bounds& bounds, const ScalePyramid& scales,
         const KeyframeStore& store, const PointFuserOptions& options, Map* map)
-      : camera_(camera), bounds_(bounds), scales_(scales), store_(store), options_(options),
+      : camera_(camera),
+        bounds_(bounds),
+        scales_(scales),
+        store_(store),
+        options_(options),
         map_(map) {}
 
   void FuseInto(KeyframeId keyframe_id, const std::vector<PointId>& points) {
@@ -33,8 +37,7 @@ class Fuser {
       query.radius_px = static_cast<float>(options_.radius_px * scales_.scale(view->octave));
       query.octaves = {std::max(0, view->octave - 1), view->octave + 1};
       query.max_distance = options_.max_distance;
-      const auto match =
-          BestMatchInWindow(point->descriptor, query, stored.features, stored.grid);
+      const auto match = BestMatchInWindow(point->descriptor, query, stored.features, stored.grid);
       if (!match) continue;
       const Keypoint& keypoint = stored.features.keypoints[match->index];
       const double error2 = (keypoint.Position() - view->px).squaredNorm();
@@ -52,9 +55,8 @@ class Fuser {
   }
 
   void Join(PointId id, const Keyframe& keyframe, int feature) {
-    const PointId other_id = feature < static_cast<int>(keyframe.points.size())
-                                 ? keyframe.points[feature]
-                                 : PointId();
+    const PointId other_id =
+        feature < static_cast<int>(keyframe.points.size()) ? keyframe.points[feature] : PointId();
     const MapPoint* other = map_->Find(other_id);
     if (!other) {
       map_->Observe(keyframe.id, feature, id);

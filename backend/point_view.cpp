@@ -15,8 +15,7 @@ void UpdateView(PointId id, const KeyframeStore& store, const ScalePyramid& scal
     if (o.keyframe == point->reference) reference = &o;
   }
   const double distance = (map->Find(reference->keyframe)->Center() - point->position).norm();
-  const int octave =
-      store.at(reference->keyframe).features.keypoints[reference->feature].octave;
+  const int octave = store.at(reference->keyframe).features.keypoints[reference->feature].octave;
   const double max_distance = scales.MaxDistance(distance, octave);
   map->SetView(id, normal.normalized(), max_distance);
 }

@@ -90,8 +90,8 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
       continue;
     }
     const Keypoint& keypoint = frame->features.keypoints[i];
-    measurements.push_back({point->position, keypoint.Position(),
-                            1.0 / context.scales.sigma2(keypoint.octave)});
+    measurements.push_back(
+        {point->position, keypoint.Position(), 1.0 / context.scales.sigma2(keypoint.octave)});
     features.push_back(i);
   }
   const PoseEstimate estimate =

@@ -57,8 +57,7 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
   for (const Match& m : matches) {
     const Keypoint& a = reference_->features.keypoints[m.first];
     const Keypoint& b = frame.features.keypoints[m.second];
-    pairs.push_back(
-        {a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
+    pairs.push_back({a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
   }
   const TwoViewResult result = EstimateTwoView(camera_, pairs, options_.two_view, rng);
   if (result.status != TwoViewStatus::kOk) return std::nullopt;

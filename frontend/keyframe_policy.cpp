@@ -23,7 +23,8 @@ bool IsKeyframe(const Frame& frame, KeyframeId reference, int frames_since, cons
   const MapId map_id = map.Find(reference) ? map.Find(reference)->map : MapId();
   // A young map has no point with three observations yet.
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
-  return frame.inliers < options.max_tracked_ratio * TrackedPoints(map, reference, min_observations);
+  return frame.inliers <
+         options.max_tracked_ratio * TrackedPoints(map, reference, min_observations);
 }
 
 }  // namespace vpslam

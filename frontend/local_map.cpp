@@ -26,9 +26,8 @@ LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptio
   for (int32_t i = 0; i < map.keyframe_end(); ++i) {
     if (votes[i] > 0 && map.Find(KeyframeId(i))) voted.emplace_back(i);
   }
-  std::stable_sort(voted.begin(), voted.end(), [&](KeyframeId a, KeyframeId b) {
-    return votes[a.value] > votes[b.value];
-  });
+  std::stable_sort(voted.begin(), voted.end(),
+                   [&](KeyframeId a, KeyframeId b) { return votes[a.value] > votes[b.value]; });
   const auto add = [&](KeyframeId id) {
     if (static_cast<int>(local.keyframes.size()) >= options.max_keyframes) return;
     if (chosen[id.value]) return;

@@ -326,8 +326,8 @@ class Tracker::Impl {
   MapId discarded_map_;  ///< to be told to the backend with the next map
   int32_t next_keyframe_ = 0;
   int frames_since_keyframe_ = 0;
-  std::optional<Frame> last_;      ///< the last frame, while tracking
-  std::optional<SE3> velocity_;    ///< this frame's camera from the last one's
+  std::optional<Frame> last_;    ///< the last frame, while tracking
+  std::optional<SE3> velocity_;  ///< this frame's camera from the last one's
   std::map<PointId, SightingCounts> sightings_;
   std::deque<Frame> history_;  ///< frames since before the map, until it has passed its probation
   Frame first_;                ///< that became the map's first keyframe

@@ -69,7 +69,7 @@ struct LocalMapOptions {
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
-  int min_frames = 2;              ///< since the last keyframe
+  int min_frames = 1;              ///< since the last keyframe
   int min_inliers = 15;
 
   template <class V>

@@ -17,7 +17,14 @@ void RunRecord::Add(const ProcessStatus& status) {
 
 bool RunRecord::Apply(const MapDelta& delta) {
   if (!map_.Apply(delta)) return false;
-  for (const KeyframeState& k : delta.keyframes) origins_[k.id] = {k.frame_seq, k.stamp_us};
+  for (const KeyframeState& k : delta.keyframes) {
+    origins_[k.id] = {k.frame_seq, k.stamp_us};
+    // The first view of a map is answered before it is in the map.
+    if (const auto answered = keyframes_.find(k.id); answered != keyframes_.end()) {
+      answered->second.frame_seq = k.frame_seq;
+      answered->second.stamp_us = k.stamp_us;
+    }
+  }
   if (delta.answers.IsValid()) {
     const Origin origin = origins_[delta.answers];
     keyframes_[delta.answers] = {delta.answers, origin.frame_seq, origin.stamp_us, delta.times};

@@ -15,28 +15,37 @@ constexpr std::array<std::array<int, 2>, kCircle> kCirclePixels = {{
     {0, 3}, {-1, 3}, {-2, 2}, {-3, 1}, {-3, 0}, {-3, -1}, {-2, -2}, {-1, -3}}};
 // clang-format on
 
+/// Minimum and maximum over runs of neighbours on the circle that begin at i.
+struct Runs {
+  static constexpr int kLength = 24;  // 16, and 8 more so that no index wraps around
+  alignas(32) std::array<int16_t, kLength + 8> min, max;
+};
+
+/// Runs twice as long, of two that follow each other by `step`.
+inline void Join(const Runs& runs, int step, Runs* joined) {
+  for (int i = 0; i < Runs::kLength; ++i) {
+    joined->min[i] = std::min(runs.min[i], runs.min[i + step]);
+    joined->max[i] = std::max(runs.max[i], runs.max[i + step]);
+  }
+}
+
 VPSLAM_MULTIVERSION
 int ScoreAt(const uint8_t* p, const int* offsets) {
-  // Differences around the circle, twice, so that no index wraps around. Then minimum and
-  // maximum over 2, 4, 8, 9 neighbours, each from the one before.
-  std::array<int16_t, 2 * kCircle> low, high;
+  // The last 8 entries are not used, but joined like all others.
+  Runs of1{}, of2{}, of4{}, of8{};
+  for (int i = 0; i < kCircle; ++i) of1.min[i] = static_cast<int16_t>(p[offsets[i]] - *p);
+  std::copy_n(of1.min.begin(), 8, of1.min.begin() + kCircle);
+  of1.max = of1.min;
+  Join(of1, 1, &of2);
+  Join(of2, 2, &of4);
+  Join(of4, 4, &of8);
+  int16_t score = INT16_MIN;
   for (int i = 0; i < kCircle; ++i) {
-    const int16_t difference = static_cast<int16_t>(p[offsets[i]] - *p);
-    low[i] = low[i + kCircle] = high[i] = high[i + kCircle] = difference;
+    const int16_t brighter = std::min(of8.min[i], of1.min[i + 8]);
+    const int16_t darker = static_cast<int16_t>(-std::max(of8.max[i], of1.max[i + 8]));
+    score = std::max(score, std::max(brighter, darker));
   }
-  const std::array<int16_t, 2 * kCircle> differences = low;
-  for (const int step : {1, 2, 4}) {
-    for (int i = 0; i < 2 * kCircle - step; ++i) {
-      low[i] = std::min(low[i], low[i + step]);
-      high[i] = std::max(high[i], high[i + step]);
-    }
-  }
-  int16_t brighter = INT16_MIN, darker = INT16_MIN;
-  for (int i = 0; i < kCircle; ++i) {
-    brighter = std::max(brighter, std::min(low[i], differences[i + 8]));
-    darker = std::max(darker, static_cast<int16_t>(-std::max(high[i], differences[i + 8])));
-  }
-  return std::max(brighter, darker);
+  return score;
 }
 
 std::array<int, kCircle> Offsets(const cv::Mat& image) {

@@ -19,6 +19,11 @@ struct DistributionOptions {
   double min_spacing = 0.2;  ///< half the side of the square that a corner keeps free of others
   double cell = 1.22;        ///< side of the cells whose best corner is kept before all others
 
+  template <class V>
+  void Visit(V& v) {
+    v("min_spacing", min_spacing);
+    v("cell", cell);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -23,6 +23,7 @@
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
 #include "core/features/orientation.h"
+#include "core/features/smoothing.h"
 
 namespace vpslam {
 namespace {
@@ -134,6 +135,7 @@ Patches CollectPatches(const std::vector<Position>& positions, std::mt19937* rng
   ImagePyramid first(kWidth, kHeight, scales, 2 * kMargin_px + 1), second = first;
   CornerDetector detector({.margin_px = kMargin_px});
   KeypointDistribution distribution;
+  Smoother smoother;
   Patches patches;
   std::vector<Corner> corners;
   for (int i = 0; i < kNumImages; ++i) {
@@ -149,9 +151,9 @@ Patches CollectPatches(const std::vector<Position>& positions, std::mt19937* rng
       const cv::Mat &a = first.level(octave), &b = second.level(octave);
       detector.Detect(a, &corners);
       distribution.Select(a.size(), kPerLevel, &corners);
-      cv::Mat smoothed_a, smoothed_b;
-      SmoothForDescription(a, &smoothed_a);
-      SmoothForDescription(b, &smoothed_b);
+      cv::Mat smoothed_a(a.size(), CV_8UC1), smoothed_b(b.size(), CV_8UC1);
+      smoother.Smooth(a, &smoothed_a);
+      smoother.Smooth(b, &smoothed_b);
       for (const Corner& c : corners) {
         const cv::Vec2d in_second =
             view * cv::Vec3d(first.ToLevelZeroX(octave, c.x), first.ToLevelZeroY(octave, c.y), 1);

@@ -91,8 +91,11 @@ std::vector<Match> MatchByDescriptor(std::span<const Descriptor> first,
 struct TriangulationMatchOptions {
   int max_distance = 50;  ///< Hamming
   float ratio = 0.8f;
-  double epipolar_chi2 = 3.84;  ///< squared distance from the epipolar line / sigma2(octave)
-  double min_epipole_px = 10;   ///< x scale(octave): nearer to the epipole, depth is undefined
+  double epipolar_chi2 = 3.84;    ///< squared distance from the epipolar line / sigma2(octave)
+  double min_epipole_px = 10;     ///< x scale(octave): nearer to the epipole, depth is undefined
+  double same_corner_px = 3;      ///< x scale(octave): nearer to the best, a runner-up is no rival
+  double min_depth = 0;           ///< in the first view; what implies less is no candidate
+  double max_parallax_rad = 1.0;  ///< between the two rays: descriptors do not stand more
   bool check_rotation = true;
   RotationConsistencyOptions rotation = {};
 };

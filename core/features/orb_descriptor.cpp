@@ -3,16 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <opencv2/imgproc.hpp>
-
 namespace vpslam {
-
-void SmoothForDescription(const cv::Mat& image, cv::Mat* smoothed) {
-  // A single pixel is too noisy to compare. ISOLATED: what lies beside a level in the buffer of a
-  // pyramid does not belong to it.
-  cv::GaussianBlur(image, *smoothed, cv::Size(7, 7), 2.0, 2.0,
-                   cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
-}
 
 std::array<int, 2> TurnedPixel(int x, int y, double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);

@@ -5,18 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
-
-#include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
 #include "core/features/orb_pattern.h"
 
 namespace vpslam {
-
-/// `smoothed` has the size of `image` (CV_8UC1) already, so that no memory is allocated.
-void SmoothForDescription(const cv::Mat& image, cv::Mat* smoothed);
 
 /// Pixel of the disc of kPatternRadius_px nearest to (x, y) turned by `angle_rad`.
 std::array<int, 2> TurnedPixel(int x, int y, double angle_rad);

@@ -11,6 +11,7 @@
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
 #include "core/features/orientation.h"
+#include "core/features/smoothing.h"
 
 namespace vpslam {
 namespace {
@@ -142,7 +143,7 @@ class OrbExtractor::Impl {
     cv::Mat& smoothed = smoothed_[octave];
     {
       const Stopwatch watch(&timings_.blur_ms);
-      SmoothForDescription(level, &smoothed);
+      smoother_.Smooth(level, &smoothed);
     }
     const Stopwatch watch(&timings_.description_ms);
     for (size_t i = 0; i < corners.size(); ++i) {
@@ -162,6 +163,7 @@ class OrbExtractor::Impl {
   std::vector<std::vector<Corner>> corners_;  ///< per level
   cv::Mat smoothed_buffer_;
   std::vector<cv::Mat> smoothed_;  ///< per level
+  Smoother smoother_;
   OrbDescriber describer_;
   std::vector<float> angles_rad_;
   OrbTimings timings_;

@@ -36,6 +36,7 @@ struct OrbOptions {
     v("fast_threshold", fast_threshold);
     v("fast_threshold_low", fast_threshold_low);
     v("cell_px", cell_px);
+    v("distribution", distribution);
   }
   std::optional<std::string> Validate() const;
 };

@@ -5,25 +5,34 @@
 #include <cstdint>
 #include <numbers>
 
-#include "core/features/multiversion.h"
+#include <opencv2/core/hal/intrin.hpp>
 
 namespace vpslam {
 namespace {
 
 constexpr int kRadius = kOrientationRadius_px;
-constexpr int kRowLength = 2 * kRadius + 1;
+/// A row is read in two halves of equal length, which share the middle column, so that the vector
+/// instructions have full registers and nothing beyond the disc is read.
+constexpr int kHalf = kRadius + 1;
+constexpr int kLanes = 8;
+static_assert(kHalf % kLanes == 0);
+constexpr int kRows = 2 * kRadius + 1;
+constexpr int kNumWeights = kRows * 2 * kHalf;
 
-/// weights[r][c]: x of the column if (c, r) lies in the disc, else 0; `inside` 1 or 0 alike.
+/// Weights of the grey values in the order they are read: x or y if in the disc, else 0.
 struct Disc {
-  std::array<std::array<int16_t, kRowLength + 1>, kRowLength> x{};
-  std::array<std::array<int16_t, kRowLength + 1>, kRowLength> inside{};
+  std::array<int16_t, kNumWeights> x{}, y{};
   constexpr Disc() {
+    int i = 0;
     for (int dy = -kRadius; dy <= kRadius; ++dy) {
-      for (int dx = -kRadius; dx <= kRadius; ++dx) {
-        // Half a pixel more than the radius makes the rounded disc symmetric in x and y.
-        if (4 * (dx * dx + dy * dy) > (2 * kRadius + 1) * (2 * kRadius + 1)) continue;
-        x[dy + kRadius][dx + kRadius] = static_cast<int16_t>(dx);
-        inside[dy + kRadius][dx + kRadius] = 1;
+      for (const int begin : {-kRadius, 0}) {
+        for (int dx = begin; dx < begin + kHalf; ++dx, ++i) {
+          // Half a pixel more than the radius makes the rounded disc symmetric in x and y.
+          if (4 * (dx * dx + dy * dy) > (2 * kRadius + 1) * (2 * kRadius + 1)) continue;
+          const bool counted_before = begin == 0 && dx == 0;
+          x[i] = static_cast<int16_t>(dx);
+          y[i] = counted_before ? int16_t{0} : static_cast<int16_t>(dy);
+        }
       }
     }
   }
@@ -34,22 +43,24 @@ struct Moments {
   int x, y;
 };
 
-VPSLAM_MULTIVERSION
 Moments DiscMoments(const uint8_t* centre, std::ptrdiff_t step) {
-  Moments m{0, 0};
+  const int16_t* weight_x = kDisc.x.data();
+  const int16_t* weight_y = kDisc.y.data();
+  cv::v_int32x4 sum_x = cv::v_setzero_s32(), sum_y = cv::v_setzero_s32();
+  const auto add_eight = [&](const uint8_t* pixels) {
+    const cv::v_int16x8 grey = cv::v_reinterpret_as_s16(cv::v_load_expand(pixels));
+    sum_x += cv::v_dotprod(grey, cv::v_load(weight_x));
+    sum_y += cv::v_dotprod(grey, cv::v_load(weight_y));
+    weight_x += kLanes;
+    weight_y += kLanes;
+  };
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    const uint8_t* row = centre + dy * step - kRadius;
-    const int16_t* x = kDisc.x[dy + kRadius].data();
-    const int16_t* inside = kDisc.inside[dy + kRadius].data();
-    int sum_x = 0, sum = 0;
-    for (int c = 0; c < kRowLength; ++c) {
-      sum_x += x[c] * static_cast<int16_t>(row[c]);
-      sum += inside[c] * static_cast<int16_t>(row[c]);
+    const uint8_t* row = centre + dy * step;
+    for (const uint8_t* half : {row - kRadius, row}) {
+      for (int c = 0; c < kHalf; c += kLanes) add_eight(half + c);
     }
-    m.x += sum_x;
-    m.y += dy * sum;
   }
-  return m;
+  return {cv::v_reduce_sum(sum_x), cv::v_reduce_sum(sum_y)};
 }
 
 }  // namespace

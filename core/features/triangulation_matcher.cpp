@@ -44,6 +44,66 @@ void MarkNearLine(const float* x, const float* y, const float* gate, int count, 
   }
 }
 
+/// Which candidates imply a depth and a change of viewing direction that are possible at all.
+/// Infinity is.
+class DepthGate {
+ public:
+  DepthGate(const SE3& second_from_first, const Camera& camera,
+            const TriangulationMatchOptions& options)
+      : camera_(camera),
+        rotation_(second_from_first.RotationMatrix()),
+        t_(second_from_first.translation),
+        min_depth_(options.min_depth),
+        max_sine2_(std::pow(std::sin(options.max_parallax_rad), 2)) {}
+
+  Eigen::Vector3d TurnedRay(const Eigen::Vector2d& first_px) const {
+    return rotation_ * camera_.Unproject(first_px);
+  }
+  /// z ray + t is parallel to the second ray r, so z (r x ray) = -(r x t).
+  bool Allows(const Eigen::Vector3d& ray, const Eigen::Vector2d& second_px) const {
+    const Eigen::Vector3d r = camera_.Unproject(second_px);
+    const Eigen::Vector3d parallax = r.cross(ray);
+    const double p2 = parallax.squaredNorm();
+    constexpr double kFar = 0.005;  // rad: too little parallax for a depth, on either side of zero
+    if (p2 < kFar * kFar) return true;
+    if (p2 > max_sine2_ * r.squaredNorm() * ray.squaredNorm()) return false;
+    return -parallax.dot(r.cross(t_)) >= min_depth_ * p2;
+  }
+
+ private:
+  const Camera& camera_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d t_;
+  double min_depth_;
+  double max_sine2_;
+};
+
+struct Rival {
+  int32_t index = -1;
+  int distance = 257;
+};
+
+/// The best, if it is near enough and clearly better than the best somewhere else: the same corner
+/// is often found on neighbouring octaves, which is no ambiguity.
+std::optional<Rival> Choose(const std::vector<Rival>& rivals, const Features& second,
+                            const ScalePyramid& scales, const TriangulationMatchOptions& options) {
+  Rival best;
+  for (const Rival& r : rivals) {
+    if (r.distance < best.distance) best = r;
+  }
+  if (best.index < 0 || best.distance > options.max_distance) return std::nullopt;
+  const Keypoint& winner = second.keypoints[best.index];
+  const double same_px = options.same_corner_px * scales.scale(winner.octave);
+  for (const Rival& r : rivals) {
+    if (static_cast<float>(best.distance) < options.ratio * static_cast<float>(r.distance))
+      continue;
+    if (r.index == best.index) continue;
+    const double apart_px = (second.keypoints[r.index].Position() - winner.Position()).norm();
+    if (apart_px > same_px) return std::nullopt;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<Match> MatchForTriangulation(const Features& first, std::span<const int32_t> first_free,
@@ -63,7 +123,9 @@ std::vector<Match> MatchForTriangulation(const Features& first, std::span<const 
   const Candidates candidates = Collect(second, second_free, scales, k * baseline, options);
   const int count = static_cast<int>(candidates.index.size());
 
+  const DepthGate depth_gate(second_from_first, camera, options);
   std::vector<int32_t> near(count);
+  std::vector<Rival> rivals;
   std::vector<int32_t> holder(second.size(), -1);
   std::vector<int> held_distance(second.size(), 257);
   for (const int32_t i : first_free) {
@@ -74,24 +136,17 @@ std::vector<Match> MatchForTriangulation(const Features& first, std::span<const 
     const Eigen::Vector3f l = (line / norm).cast<float>();
     MarkNearLine(candidates.x_px.data(), candidates.y_px.data(), candidates.gate_px2.data(), count,
                  l.x(), l.y(), l.z(), near.data());
-    int best = -1, best_distance = 257, second_distance = 257;
+    const Eigen::Vector3d ray = depth_gate.TurnedRay(point.Position());
+    rivals.clear();
     for (int n = 0; n < count; ++n) {
       if (!near[n]) continue;
       const int32_t j = candidates.index[n];
-      const int d = Distance(first.descriptors[i], second.descriptors[j]);
-      if (d < best_distance) {
-        second_distance = best_distance;
-        best_distance = d;
-        best = j;
-      } else if (d < second_distance) {
-        second_distance = d;
-      }
+      if (!depth_gate.Allows(ray, second.keypoints[j].Position())) continue;
+      rivals.push_back({j, Distance(first.descriptors[i], second.descriptors[j])});
     }
-    if (best < 0 || best_distance > options.max_distance) continue;
-    if (second_distance <= 256 &&
-        static_cast<float>(best_distance) >= options.ratio * static_cast<float>(second_distance)) {
-      continue;
-    }
+    const auto winner = Choose(rivals, second, scales, options);
+    if (!winner) continue;
+    const auto [best, best_distance] = *winner;
     if (best_distance >= held_distance[best]) continue;
     holder[best] = i;
     held_distance[best] = best_distance;

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/motion_refinement.h"
 #include "core/geometry/polynomial.h"
 #include "core/geometry/random_sample.h"
@@ -209,7 +210,7 @@ EssentialEstimate EstimateEssential(std::span<const RayMatch> matches, const Ran
     if (sample_score == 0) continue;
     // Any of the four decompositions will do: they have the same E.
     SE3 motion = DecomposeEssential(sample_best)[0];
-    RefineMotion(matches, kLocalRefinement, &motion);
+    RefineMotionFromAfar(matches, 3, &motion);
     const double score = EssentialScore(EssentialFromMotion(motion), matches);
     if (score > best.score) {
       best.score = score;

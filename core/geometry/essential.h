@@ -19,10 +19,6 @@
 
 namespace vpslam {
 
-/// 95 % of chi-square with one and with two degrees of freedom.
-constexpr double kChi2Dof1 = 3.841;
-constexpr double kChi2Dof2 = 5.991;
-
 /// All essential matrices (up to 10, of norm sqrt(2), with either sign) that fit five pairs of
 /// normalised coordinates. Empty if the pairs are degenerate.
 std::vector<Eigen::Matrix3d> SolveFivePoint(const std::array<Eigen::Vector2d, 5>& first,

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
 
-#include "core/geometry/essential.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/random_sample.h"
 
 namespace vpslam {
@@ -29,11 +29,11 @@ std::optional<Eigen::Matrix3d> ProjectiveBasis(const std::array<Eigen::Vector2d,
   return Eigen::Matrix3d(m * scale->asDiagonal());
 }
 
-double TruncatedCost(const Eigen::Matrix3d& h, std::span<const RayMatch> matches) {
+double TruncatedCost(const Eigen::Matrix3d& h, std::span<const RayMatch> matches, double max_chi2) {
   double cost = 0;
   for (const RayMatch& match : matches) {
     const double chi2 = TransferChi2(h, match);
-    cost += chi2 < kChi2Dof2 ? chi2 : kChi2Dof2;
+    cost += chi2 < max_chi2 ? chi2 : max_chi2;
   }
   return cost;
 }
@@ -82,10 +82,10 @@ double HomographyScore(const Eigen::Matrix3d& homography, std::span<const RayMat
   return score > to_beat ? score : 0;
 }
 
-void RefineHomography(std::span<const RayMatch> matches, int max_iterations,
+void RefineHomography(std::span<const RayMatch> matches, int max_iterations, double max_chi2,
                       Eigen::Matrix3d* homography) {
   Eigen::Matrix3d& h = *homography;
-  double cost = TruncatedCost(h, matches);
+  double cost = TruncatedCost(h, matches, max_chi2);
   double damping = 1e-4;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     // H' = (I + D) H with D(2,2) = 0.
@@ -96,7 +96,7 @@ void RefineHomography(std::span<const RayMatch> matches, int max_iterations,
       const Eigen::Vector2d projected = x.head<2>() / x.z();
       const Eigen::Vector2d error = projected - m.second;
       const Eigen::Vector2d weight = (m.first_variance + m.second_variance).cwiseInverse();
-      if (!(error.cwiseAbs2().dot(weight) < kChi2Dof2)) continue;
+      if (!(error.cwiseAbs2().dot(weight) < max_chi2)) continue;
       const Eigen::Vector3d y = projected.homogeneous();
       Vector8d jx, jy;
       jx << y, Eigen::Vector3d::Zero(), -projected.x() * y.head<2>();
@@ -112,7 +112,7 @@ void RefineHomography(std::span<const RayMatch> matches, int max_iterations,
     d << step[0], step[1], step[2], step[3], step[4], step[5], step[6], step[7], 0;
     Eigen::Matrix3d moved = h + d * h;
     moved /= moved.norm();
-    const double moved_cost = TruncatedCost(moved, matches);
+    const double moved_cost = TruncatedCost(moved, matches, max_chi2);
     if (moved_cost < cost) {
       const bool converged = cost - moved_cost < 1e-6 * cost;
       h = moved;
@@ -145,7 +145,9 @@ HomographyEstimate EstimateHomography(std::span<const RayMatch> matches,
     constexpr double kWorthOptimising = 0.9;
     if (HomographyScore(*hypothesis, matches, kWorthOptimising * best.score) == 0) continue;
     Eigen::Matrix3d h = *hypothesis;
-    RefineHomography(matches, 4, &h);
+    // First with a wider gate: a rough start excludes many true matches.
+    RefineHomography(matches, 3, 3 * kChi2Dof2, &h);
+    RefineHomography(matches, 3, kChi2Dof2, &h);
     const double score = HomographyScore(h, matches, best.score);
     if (score > 0) {
       best.score = score;

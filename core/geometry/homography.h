@@ -31,8 +31,9 @@ double HomographyScore(const Eigen::Matrix3d& homography, std::span<const RayMat
 /// not scale): chi-square with two degrees of freedom for a true match.
 double TransferChi2(const Eigen::Matrix3d& homography, const RayMatch& match);
 
-/// Minimises the sum of truncated squared transfer errors over the 8 degrees of freedom.
-void RefineHomography(std::span<const RayMatch> matches, int max_iterations,
+/// Minimises the sum of squared transfer errors, truncated at max_chi2, over the 8 degrees of
+/// freedom.
+void RefineHomography(std::span<const RayMatch> matches, int max_iterations, double max_chi2,
                       Eigen::Matrix3d* homography);
 
 struct HomographyEstimate {

@@ -108,4 +108,14 @@ MotionRefinement RefineMotion(std::span<const RayMatch> matches,
   return result;
 }
 
+MotionRefinement RefineMotionFromAfar(std::span<const RayMatch> matches, int max_iterations,
+                                      SE3* second_from_first) {
+  MotionRefinementOptions options;
+  options.max_iterations = max_iterations;
+  MotionRefinementOptions wide = options;
+  wide.max_chi2 = 3 * options.max_chi2;
+  RefineMotion(matches, wide, second_from_first);
+  return RefineMotion(matches, options, second_from_first);
+}
+
 }  // namespace vpslam

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/triangulation.h"
 
@@ -13,11 +14,8 @@ namespace vpslam {
 struct MotionRefinementOptions {
   int max_iterations = 15;
   /// Matches with a greater squared Sampson error over variance do not take part.
-  double max_chi2 = 3.841;
+  double max_chi2 = kChi2Dof1;
 };
-
-/// A few steps, to improve a hypothesis.
-constexpr MotionRefinementOptions kLocalRefinement{.max_iterations = 4};
 
 struct MotionRefinement {
   /// Sum of min(chi2, max_chi2) over all matches.
@@ -33,5 +31,10 @@ struct MotionRefinement {
 /// 11.4.3), without the points as unknowns. Leaves |t| = 1.
 MotionRefinement RefineMotion(std::span<const RayMatch> matches,
                               const MotionRefinementOptions& options, SE3* second_from_first);
+
+/// The same from a rough start: first with three times the max_chi2, so that the minimum next to a
+/// start which excludes many true matches does not catch it. Up to max_iterations for each.
+MotionRefinement RefineMotionFromAfar(std::span<const RayMatch> matches, int max_iterations,
+                                      SE3* second_from_first);
 
 }  // namespace vpslam

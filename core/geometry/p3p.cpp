@@ -1,5 +1,6 @@
 #include "core/geometry/p3p.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -17,6 +18,23 @@ Eigen::Matrix3d TriangleFrame(const Eigen::Vector3d& a, const Eigen::Vector3d& b
   frame.col(2) = (b - a).cross(c - a).normalized();
   frame.col(1) = frame.col(2).cross(frame.col(0));
   return frame;
+}
+
+/// Real roots, double ones included: a triangle with two equal sides, seen symmetrically, has one.
+std::vector<double> RootsOfQuartic(const double (&c)[5]) {
+  const RealRoots simple = FindRealRoots(c, 4);
+  std::vector<double> roots(simple.begin(), simple.end());
+  const double derivative[4] = {c[1], 2 * c[2], 3 * c[3], 4 * c[4]};
+  for (const double x : FindRealRoots(derivative, 3)) {
+    double value = 0, magnitude = 0;
+    for (int i = 4; i >= 0; --i) {
+      value = value * x + c[i];
+      magnitude = magnitude * std::abs(x) + std::abs(c[i]);
+    }
+    constexpr double kRounding = 1e-12;
+    if (std::abs(value) < kRounding * magnitude) roots.push_back(x);
+  }
+  return roots;
 }
 
 }  // namespace
@@ -55,12 +73,14 @@ std::vector<SE3> SolveP3p(const std::array<Eigen::Vector3d, 3>& points_in_world,
     }
   }
   const Eigen::Matrix3d world_frame = TriangleFrame(p[0], p[1], p[2]);
-  for (const double v : FindRealRoots(quartic, 4)) {
+  std::vector<Eigen::Vector3d> distances;
+  for (const double v : RootsOfQuartic(quartic)) {
     if (!(v > 0)) continue;
     const double denominator = m[0] + m[1] * v;
     double u[2];
     int num_u = 1;
-    if (std::abs(denominator) > 1e-9) {
+    // A double root is known to half the digits only, and so is a denominator that is 0 there.
+    if (std::abs(denominator) > 1e-6) {
       u[0] = -(n[0] + n[1] * v + n[2] * v * v) / denominator;
     } else {
       // Both equations are the same in u there, and both of its roots count.
@@ -74,10 +94,13 @@ std::vector<SE3> SolveP3p(const std::array<Eigen::Vector3d, 3>& points_in_world,
       const double s1_squared = d13 / (1 + v * v - 2 * v * c13);
       if (!(u[i] > 0) || !(s1_squared > 0)) continue;
       Eigen::Vector3d s = std::sqrt(s1_squared) * Eigen::Vector3d(1, u[i], v);
-      for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector3d error(s[0] * s[0] + s[1] * s[1] - 2 * s[0] * s[1] * c12 - d12,
-                                    s[0] * s[0] + s[2] * s[2] - 2 * s[0] * s[2] * c13 - d13,
-                                    s[1] * s[1] + s[2] * s[2] - 2 * s[1] * s[2] * c23 - d23);
+      const auto error_at = [&](const Eigen::Vector3d& x) {
+        return Eigen::Vector3d(x[0] * x[0] + x[1] * x[1] - 2 * x[0] * x[1] * c12 - d12,
+                               x[0] * x[0] + x[2] * x[2] - 2 * x[0] * x[2] * c13 - d13,
+                               x[1] * x[1] + x[2] * x[2] - 2 * x[1] * x[2] * c23 - d23);
+      };
+      for (int k = 0; k < 5; ++k) {
+        const Eigen::Vector3d error = error_at(s);
         Eigen::Matrix3d j;
         j << s[0] - s[1] * c12, s[1] - s[0] * c12, 0,  //
             s[0] - s[2] * c13, 0, s[2] - s[0] * c13,   //
@@ -87,8 +110,14 @@ std::vector<SE3> SolveP3p(const std::array<Eigen::Vector3d, 3>& points_in_world,
         if (!step.allFinite() || step.norm() > 0.1 * s.norm()) break;
         s += step;
       }
+      constexpr double kFits = 1e-7, kSame = 1e-5;
+      if (!(s.minCoeff() > 0) || !(error_at(s).norm() < kFits)) continue;
+      const bool known = std::any_of(distances.begin(), distances.end(), [&](const auto& other) {
+        return (other - s).norm() < kSame * s.norm();
+      });
+      if (known) continue;
+      distances.push_back(s);
       s *= std::sqrt(unit2);
-      if (!(s.minCoeff() > 0)) continue;
       const Eigen::Matrix3d rotation =
           TriangleFrame(s[0] * f[0], s[1] * f[1], s[2] * f[2]) * world_frame.transpose();
       const Eigen::Vector3d t = s[0] * f[0] - rotation * p[0];

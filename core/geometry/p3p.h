@@ -10,8 +10,9 @@
 
 namespace vpslam {
 
-/// All cam_from_world (up to 4) that put three points of the world on three rays, given as
-/// normalised coordinates, in front of the camera. Empty if the points lie on a line.
+/// All cam_from_world (up to 4) that put three points of
+/// the world on three rays, given as normalised coordinates, in front of the camera. Empty if the
+/// points lie on a line.
 ///
 /// Grunert's equations for the distances of the points, reduced to a quartic ([Har94] "Review and
 /// analysis of solutions of the three point perspective pose estimation problem"), whose roots are

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/geometry/essential.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/p3p.h"
 #include "core/geometry/random_sample.h"
 

@@ -24,7 +24,14 @@ struct PnpMatch {
 
 struct PnpOptions {
   int min_inliers = 15;
-  RansacOptions ransac;
+  /// A third of the matches right is enough: 3 + 1 of them, and a sample costs microseconds.
+  RansacOptions ransac{.max_iterations = 1000};
+
+  template <class V>
+  void Visit(V& v) {
+    v("min_inliers", min_inliers);
+    v("ransac", ransac);
+  }
 
   std::optional<std::string> Validate() const;
 };

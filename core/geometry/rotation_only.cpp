@@ -2,7 +2,7 @@
 
 #include <Eigen/SVD>
 
-#include "core/geometry/essential.h"
+#include "core/geometry/chi_square.h"
 #include "core/geometry/homography.h"
 #include "core/geometry/random_sample.h"
 

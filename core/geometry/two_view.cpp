@@ -4,9 +4,11 @@
 #include <cmath>
 #include <functional>
 
+#include "core/geometry/chi_square.h"
 #include "core/geometry/essential.h"
 #include "core/geometry/homography.h"
 #include "core/geometry/motion_refinement.h"
+#include "core/geometry/random_sample.h"
 #include "core/geometry/rotation_only.h"
 #include "core/geometry/triangulation.h"
 
@@ -30,17 +32,13 @@ double MedianDisplacement(std::span<const RayMatch> matches) {
   return *middle;
 }
 
-int CountPoints(std::span<const RayMatch> matches, const SE3& motion,
-                const TwoViewOptions& options) {
-  const Eigen::Matrix3d essential = EssentialFromMotion(motion);
-  int count = 0;
-  for (const RayMatch& match : matches) {
-    double parallax_rad;
-    count += SampsonChi2(essential, match) < kChi2Dof1 &&
-             TriangulateTwoView(motion, match, &parallax_rad) &&
-             parallax_rad >= options.min_point_parallax_rad;
-  }
-  return count;
+/// At most `count` of the matches, at random.
+std::vector<RayMatch> Sample(std::vector<RayMatch> matches, int count, std::mt19937_64& rng) {
+  const int size = static_cast<int>(matches.size());
+  if (size <= count) return matches;
+  for (int i = 0; i < count; ++i) std::swap(matches[i], matches[i + RandomIndex(size - i, rng)]);
+  matches.resize(count);
+  return matches;
 }
 
 /// Everything that follows from the motion.
@@ -49,6 +47,7 @@ void Reconstruct(std::span<const RayMatch> matches, const TwoViewOptions& option
   const SE3& motion = candidate->second_from_first;
   const Eigen::Matrix3d essential = EssentialFromMotion(motion);
   const Eigen::Matrix3d rotation = motion.RotationMatrix();
+  candidate->num_inliers = 0;
   candidate->inlier.assign(matches.size(), false);
   candidate->point.assign(matches.size(), std::nullopt);
   std::vector<double> parallaxes_rad;
@@ -72,48 +71,83 @@ void Reconstruct(std::span<const RayMatch> matches, const TwoViewOptions& option
       parallaxes_rad[std::min<size_t>(options.min_points, parallaxes_rad.size()) - 1];
 }
 
-bool SameMotion(const SE3& a, const SE3& b) {
-  // Different minima are degrees apart; two ways to the same one end much closer.
-  constexpr double kSameRotation_rad = 1e-3, kSameDirection = 1e-2;
-  return AngleBetween_rad(a.rotation, b.rotation) < kSameRotation_rad &&
-         (a.translation - b.translation).norm() < kSameDirection;
+/// The matches' real noise over the given one, from those that obey the epipolar constraint;
+/// between `min_scale` and 1.
+double NoiseScale(std::span<const RayMatch> matches, const Eigen::Matrix3d& essential,
+                  double min_scale) {
+  std::vector<double> chi2s;
+  for (const RayMatch& match : matches) {
+    const double chi2 = SampsonChi2(essential, match);
+    if (chi2 < kChi2Dof1) chi2s.push_back(chi2);
+  }
+  if (chi2s.empty()) return 1;
+  const auto middle = chi2s.begin() + chi2s.size() / 2;
+  std::nth_element(chi2s.begin(), middle, chi2s.end());
+  // Median of chi-square with one degree of freedom, as far as it is below 3.841.
+  constexpr double kMedianChi2 = 0.404;
+  return std::clamp(std::sqrt(*middle / kMedianChi2), min_scale, 1.0);
 }
 
-/// Refined motions that are alive as far as the number of their points goes, best first.
+/// Whether a and b differ by no more than what the matches leave open.
+bool SameMotion(const TwoViewCandidate& a, const TwoViewCandidate& b) {
+  // Rival interpretations of a scene are mostly tens of degrees apart.
+  constexpr double kSameRotation_rad = 0.03, kSameDirection_rad = 0.05, kSigmas = 4;
+  const Eigen::Vector3d &ta = a.second_from_first.translation,
+                        &tb = b.second_from_first.translation;
+  const double direction_rad = std::atan2(ta.cross(tb).norm(), ta.dot(tb));
+  const double sigma_rad = std::max(a.direction_sigma_rad, b.direction_sigma_rad);
+  return AngleBetween_rad(a.second_from_first.rotation, b.second_from_first.rotation) <
+             kSameRotation_rad &&
+         direction_rad < std::max(kSameDirection_rad, std::min(kSigmas * sigma_rad, 0.5));
+}
+
+/// The motions between which the matches cannot decide, refined; best first.
 std::vector<TwoViewCandidate> Compete(std::span<const RayMatch> matches,
-                                      const std::vector<TwoViewCandidate>& proposals,
+                                      std::vector<TwoViewCandidate> candidates, TwoViewModel model,
                                       const TwoViewOptions& options) {
-  std::vector<int> counts;
-  int most = 0;
-  for (const TwoViewCandidate& proposal : proposals) {
-    counts.push_back(CountPoints(matches, proposal.second_from_first, options));
-    most = std::max(most, counts.back());
-  }
-  std::vector<TwoViewCandidate> refined;
-  for (size_t i = 0; i < proposals.size(); ++i) {
-    // Half of what it takes to be alive: refinement may bring some more.
-    if (counts[i] == 0 || counts[i] < 0.5 * options.min_rival_points * most) continue;
-    TwoViewCandidate candidate = proposals[i];
-    MotionRefinementOptions refinement;
-    refinement.max_chi2 = kChi2Dof1;
-    const MotionRefinement result = RefineMotion(matches, refinement, &candidate.second_from_first);
-    const bool known = std::any_of(refined.begin(), refined.end(), [&](const auto& other) {
-      return SameMotion(other.second_from_first, candidate.second_from_first);
+  const auto keep_those_with_inliers = [&candidates](double share) {
+    int most = 0;
+    for (const TwoViewCandidate& c : candidates) most = std::max(most, c.num_inliers);
+    std::erase_if(candidates, [&](const TwoViewCandidate& c) {
+      return c.num_inliers == 0 || c.num_inliers < share * most;
     });
-    if (known) continue;
-    candidate.cost = result.cost;
-    candidate.direction_sigma_rad = result.direction_sigma_rad;
-    Reconstruct(matches, options, &candidate);
-    refined.push_back(std::move(candidate));
+  };
+  for (TwoViewCandidate& c : candidates) Reconstruct(matches, options, &c);
+  // Half of what it takes to stay: refinement may bring some more.
+  keep_those_with_inliers(0.5 * options.min_rival_inliers);
+  for (TwoViewCandidate& c : candidates) {
+    TwoViewCandidate refined = c;
+    const MotionRefinement refinement =
+        RefineMotionFromAfar(matches, 15, &refined.second_from_first);
+    c.cost = refined.cost = refinement.cost;
+    c.direction_sigma_rad = refined.direction_sigma_rad = refinement.direction_sigma_rad;
+    // A plane constrains the motion better than the epipolar errors do alone; but it has to be one.
+    const bool constrained =
+        model == TwoViewModel::kHomography && c.proposed_by == TwoViewModel::kHomography;
+    if (!constrained || !SameMotion(c, refined)) c = refined;
+    Reconstruct(matches, options, &c);
   }
-  most = 0;
-  for (const TwoViewCandidate& candidate : refined) most = std::max(most, candidate.num_points);
-  std::erase_if(refined, [&](const TwoViewCandidate& candidate) {
-    return candidate.num_points < options.min_rival_points * most;
-  });
-  std::stable_sort(refined.begin(), refined.end(),
+  keep_those_with_inliers(options.min_rival_inliers);
+  std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  return refined;
+  std::vector<TwoViewCandidate> alive;
+  for (TwoViewCandidate& c : candidates) {
+    // Two motions that both explain n matches measure different components of the same noise, so
+    // that their sums of n chi-squares differ by 2 sqrt(n) (one sigma) for no reason.
+    if (!alive.empty() && c.cost > alive.front().cost + options.max_rival_sigmas * 2 *
+                                                            std::sqrt(alive.front().num_inliers)) {
+      break;
+    }
+    const auto known = std::find_if(alive.begin(), alive.end(),
+                                    [&](const auto& other) { return SameMotion(other, c); });
+    if (known == alive.end()) {
+      alive.push_back(std::move(c));
+    } else if (c.proposed_by == TwoViewModel::kHomography &&
+               known->proposed_by == TwoViewModel::kEssential) {
+      *known = std::move(c);  // the better estimate of the two, if of a slightly higher cost
+    }
+  }
+  return alive;
 }
 
 }  // namespace
@@ -138,12 +172,15 @@ const char* ToString(TwoViewStatus status) {
 
 std::optional<std::string> TwoViewOptions::Validate() const {
   if (min_matches < 5) return "min_matches must be at least 5";
+  if (max_sampled_matches < min_matches) return "max_sampled_matches must reach min_matches";
   if (min_points < 1) return "min_points must be positive";
   if (!(min_parallax_rad > 0 && min_point_parallax_rad > 0)) return "parallaxes must be positive";
   if (!(min_displacement >= 0)) return "min_displacement must not be negative";
   if (!(max_direction_sigma_rad > 0)) return "max_direction_sigma_rad must be positive";
-  if (!(max_rival_cost >= 0)) return "max_rival_cost must not be negative";
-  for (const double share : {max_rotation_share, min_rival_points, homography_share}) {
+  if (!(min_noise_scale > 0 && min_noise_scale <= 1)) return "min_noise_scale must lie in 0 to 1";
+  if (!(max_rival_sigmas >= 0)) return "max_rival_sigmas must not be negative";
+  for (const double share :
+       {max_rotation_share, min_rival_inliers, homography_share, near_plane_share}) {
     if (!(share > 0 && share <= 1)) return "shares must lie in 0 to 1";
   }
   return ransac.Validate();
@@ -167,55 +204,71 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
   // What costs little first: most calls come from frames too close to each other.
   result.status = TwoViewStatus::kTooLittleParallax;
   if (MedianDisplacement(rays) < options.min_displacement) return result;
-  const int rotation_inliers = EstimateRotation(rays, options.ransac, rng).num_inliers;
-  const double num_matches = static_cast<double>(rays.size());
-  result.rotation_share = rotation_inliers / num_matches;
+  const std::vector<RayMatch> sampled = Sample(rays, options.max_sampled_matches, rng);
+  result.rotation_share = EstimateRotation(sampled, options.ransac, rng).num_inliers /
+                          static_cast<double>(sampled.size());
   if (result.rotation_share >= options.max_rotation_share) return result;
 
-  const EssentialEstimate essential = EstimateEssential(rays, options.ransac, rng);
-  const HomographyEstimate homography = EstimateHomography(rays, options.ransac, rng);
-  result.essential_score = essential.score;
-  result.homography_score = homography.score;
-  if (homography.score > options.homography_share * (homography.score + essential.score)) {
-    result.model = TwoViewModel::kHomography;
+  const double num_matches = static_cast<double>(rays.size());
+  const EssentialEstimate essential = EstimateEssential(sampled, options.ransac, rng);
+  if (essential.score == 0) {
+    result.status = TwoViewStatus::kTooFewPoints;
+    return result;
   }
+  const Eigen::Matrix3d essential_matrix = EssentialFromMotion(essential.motion);
+  // The given sigmas set the gates. What decides between models must know the noise as it is.
+  std::vector<RayMatch> scaled = rays;
+  const double noise_scale = NoiseScale(rays, essential_matrix, options.min_noise_scale);
+  for (RayMatch& match : scaled) {
+    match.first_variance *= noise_scale * noise_scale;
+    match.second_variance *= noise_scale * noise_scale;
+  }
+  HomographyEstimate homography =
+      EstimateHomography(Sample(scaled, options.max_sampled_matches, rng), options.ransac, rng);
+  RefineHomography(scaled, 10, kChi2Dof2, &homography.homography);
+  result.noise_scale = noise_scale;
+  result.essential_score = EssentialScore(essential_matrix, scaled);
+  result.homography_score = HomographyScore(homography.homography, scaled);
+  const double share = result.homography_score / (result.homography_score + result.essential_score);
+  if (share > options.homography_share) result.model = TwoViewModel::kHomography;
   std::vector<TwoViewCandidate> proposals;
-  const auto propose = [&proposals](const SE3& motion, TwoViewModel model) {
+  const auto propose = [&](const SE3& motion, TwoViewModel model) {
     TwoViewCandidate proposal;
     proposal.second_from_first = motion;
     proposal.proposed_by = model;
     proposals.push_back(std::move(proposal));
   };
-  if (essential.score > 0) {
-    for (const SE3& motion : DecomposeEssential(EssentialFromMotion(essential.motion))) {
-      propose(motion, TwoViewModel::kEssential);
-    }
-  }
-  if (homography.score > 0) {
+  if (share > options.near_plane_share) {
     for (const SE3& motion : DecomposeHomography(homography.homography)) {
       propose(motion, TwoViewModel::kHomography);
     }
   }
-  std::vector<TwoViewCandidate> candidates = Compete(rays, proposals, options);
+  for (const SE3& motion : DecomposeEssential(essential_matrix)) {
+    propose(motion, TwoViewModel::kEssential);
+  }
+  std::vector<TwoViewCandidate> alive =
+      Compete(scaled, std::move(proposals), result.model, options);
+  for (TwoViewCandidate& candidate : alive) Reconstruct(rays, options, &candidate);
 
   result.status = TwoViewStatus::kTooFewPoints;
-  if (candidates.empty()) return result;
-  const TwoViewCandidate& best = candidates.front();
-  const bool rotation_explains = rotation_inliers >= options.max_rotation_share * best.num_inliers;
-  if (best.num_inliers >= options.min_points &&
-      (rotation_explains || best.supported_parallax_rad < options.min_parallax_rad ||
-       !(best.direction_sigma_rad <= options.max_direction_sigma_rad))) {
-    result.status = TwoViewStatus::kTooLittleParallax;
+  if (alive.empty() || alive.front().num_inliers < options.min_points) return result;
+  result.status = TwoViewStatus::kTooLittleParallax;
+  if (result.rotation_share * num_matches >= options.max_rotation_share * alive.front().num_inliers)
+    return result;
+  const bool ambiguous = alive.size() > 1;
+  bool parallax_lacks = false;
+  std::erase_if(alive, [&](const TwoViewCandidate& c) {
+    const bool enough = c.supported_parallax_rad >= options.min_parallax_rad &&
+                        c.direction_sigma_rad <= options.max_direction_sigma_rad;
+    parallax_lacks |= !enough;
+    return !enough || c.num_points < options.min_points;
+  });
+  if (alive.empty()) {
+    if (!parallax_lacks) result.status = TwoViewStatus::kTooFewPoints;
     return result;
   }
-  if (best.num_points < options.min_points) return result;
-  const double max_cost = (1 + options.max_rival_cost) * best.cost;
-  std::erase_if(candidates, [&](const TwoViewCandidate& candidate) {
-    return candidate.cost > max_cost || candidate.num_points < options.min_points ||
-           candidate.supported_parallax_rad < options.min_parallax_rad;
-  });
-  result.status = candidates.size() > 1 ? TwoViewStatus::kAmbiguous : TwoViewStatus::kOk;
-  result.candidates = std::move(candidates);
+  result.status = ambiguous ? TwoViewStatus::kAmbiguous : TwoViewStatus::kOk;
+  result.candidates = std::move(alive);
   return result;
 }
 

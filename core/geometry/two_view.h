@@ -53,13 +53,25 @@ struct TwoViewOptions {
   double max_rotation_share = 0.8;
   /// Standard deviation of the direction of translation beyond which it is not known.
   double max_direction_sigma_rad = 0.15;
-  /// A motion is alive if it has this share of the points of the best one ...
-  double min_rival_points = 0.75;
-  /// ... and its sum of truncated chi-squares is higher by at most this share of the best one's.
-  double max_rival_cost = 0.1;
-  /// [Mur15] sec. IV: a homography describes the scene if S_H / (S_H + S_E) exceeds this.
-  double homography_share = 0.45;
-  RansacOptions ransac;
+  /// Real positions are often better than the given sigmas say (sub-pixel corners, blurred copies
+  /// of one error in both images); models are compared at the noise found, but at no less than this
+  /// times the sigmas.
+  double min_noise_scale = 0.3;
+  /// A motion is a rival of the best if it has this share of the most inliers of any ...
+  double min_rival_inliers = 0.75;
+  /// ... and its sum of truncated chi-squares exceeds the least by less than what is usual between
+  /// two interpretations of one plane.
+  double max_rival_sigmas = 3;
+  /// [Mur15] sec. IV: the scene is taken for a plane if S_H / (S_H + S_E) exceeds this. With true
+  /// variances a plane has 0.445, and 1.5 degrees of parallax in a deep scene have 0.3.
+  double homography_share = 0.42;
+  /// Beyond this share the scene is flat enough for a plane's second interpretation to be a rival,
+  /// so that the homography proposes its motions as well.
+  double near_plane_share = 0.35;
+  /// RANSAC sees that many matches at most; the motions it finds are refined on all.
+  int max_sampled_matches = 400;
+  /// More samples than an all-inlier one needs: noise decides how good it is.
+  RansacOptions ransac{.max_iterations = 300, .min_iterations = 50, .confidence = 0.99999};
 
   template <class V>
   void Visit(V& v) {
@@ -70,11 +82,15 @@ struct TwoViewOptions {
     v("min_displacement", min_displacement);
     v("max_rotation_share", max_rotation_share);
     v("max_direction_sigma_rad", max_direction_sigma_rad);
-    v("min_rival_points", min_rival_points);
-    v("max_rival_cost", max_rival_cost);
+    v("min_noise_scale", min_noise_scale);
+    v("min_rival_inliers", min_rival_inliers);
+    v("max_rival_sigmas", max_rival_sigmas);
     v("homography_share", homography_share);
+    v("near_plane_share", near_plane_share);
+    v("max_sampled_matches", max_sampled_matches);
     v("ransac", ransac);
   }
+
   std::optional<std::string> Validate() const;
 };
 
@@ -96,13 +112,14 @@ struct TwoViewCandidate {
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::kTooFewMatches;
-  /// The motions alive, best first. Exactly one if kOk; several if kAmbiguous (typically both
-  /// interpretations of a plane), all of which passed every other test; else empty.
+  /// Best first. Exactly one if kOk. If kAmbiguous those rivals that would have been accepted alone
+  /// (typically both interpretations of a plane); one at least. Else none.
   std::vector<TwoViewCandidate> candidates;
   TwoViewModel model = TwoViewModel::kEssential;  ///< what describes the scene, by score
   double essential_score = 0;
   double homography_score = 0;
-  double rotation_share = 0;  ///< matches explained by pure rotation / all
+  double noise_scale = 1;     ///< noise found / given sigmas
+  double rotation_share = 0;  ///< share of matches that pure rotation explains
 };
 
 /// The camera, and the options, have been validated by the caller. The same input and state of the

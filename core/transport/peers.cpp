@@ -44,6 +44,13 @@ std::optional<ProcessStatus> Peers::Get(const std::string& process) const {
   return found->second.status;
 }
 
+std::optional<int64_t> Peers::Session(const std::string& process) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = peers_.find(process);
+  if (found == peers_.end()) return std::nullopt;
+  return found->second.session;
+}
+
 std::vector<std::string> Peers::NotReady(const std::vector<std::string>& processes) const {
   std::vector<std::string> missing;
   for (const std::string& process : processes) {

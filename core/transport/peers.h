@@ -27,6 +27,8 @@ class Peers {
 
   /// The last status of `process`; nullopt if it was never heard.
   std::optional<ProcessStatus> Get(const std::string& process) const;
+  /// Of the process that says so last; another number means that it was restarted.
+  std::optional<int64_t> Session(const std::string& process) const;
   /// Those of `processes` that have not yet said that they may be sent to.
   std::vector<std::string> NotReady(const std::vector<std::string>& processes) const;
   /// Sleeps until all are ready; false if interrupted or after `timeout`.

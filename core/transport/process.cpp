@@ -40,8 +40,8 @@ sigset_t StopSignals() {
   return signals;
 }
 
-// Waits for the stop signals on a thread of its own, where everything may be called. They have to be
-// blocked in all threads.
+// Waits for the stop signals on a thread of its own, where everything may be called. They have to
+// be blocked in all threads.
 class SignalThread {
  public:
   explicit SignalThread(std::function<void()> handler)

@@ -132,8 +132,9 @@ class StreamWriterCore::Impl {
     const Clock::time_point now = Clock::now();
     consumer.heard = now;
     if (a.received > consumer.received || a.done > consumer.done) RestartResend(now);
-    consumer.received = std::max(consumer.received, a.received);
+    // A consumer that was restarted has received less than the one before it had.
     consumer.done = std::max(consumer.done, a.done);
+    consumer.received = std::max(consumer.done, a.received);
     int64_t done_by_all = consumer.done;
     for (const auto& [name, other] : consumers_) done_by_all = std::min(done_by_all, other.done);
     while (!pending_.empty() && pending_.front().seq <= done_by_all) pending_.pop_front();

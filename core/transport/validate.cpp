@@ -251,7 +251,8 @@ Fault Validate(const KeyframeProposal& k) {
 
 Fault Validate(const MapDelta& d) {
   Checker check;
-  check.Require(d.base_version >= 0 && d.version >= d.base_version, "versions out of order");
+  // Within a snapshot versions run downwards from 0.
+  check.Require(d.version >= d.base_version || d.base_version <= 0, "versions out of order");
   check.Require(IsIdOrNone(d.answers.value), "id out of range");
   check.Add(ValidateTimes(d.times));
   check.Require(std::all_of(d.erased_maps.begin(), d.erased_maps.end(),

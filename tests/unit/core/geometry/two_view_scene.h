@@ -70,7 +70,10 @@ class SceneMaker {
     const double azimuth_rad = Uniform(0, 2 * M_PI);
     const Eigen::Vector3d normal(std::sin(tilt_rad) * std::cos(azimuth_rad),
                                  std::sin(tilt_rad) * std::sin(azimuth_rad), std::cos(tilt_rad));
+    int num_tries = 0;
     while (static_cast<int>(scene.matches.size()) < options.num_matches) {
+      // Where the views hardly overlap, another motion has to do.
+      if (++num_tries > 200 * options.num_matches) return Make(options);
       const Eigen::Vector2d first(Uniform(0, camera.width), Uniform(0, camera.height));
       const Eigen::Vector3d ray = camera.Unproject(first);
       const double depth = options.shape == SceneShape::kGeneral

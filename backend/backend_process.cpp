@@ -1,0 +1,76 @@
+#include "backend/backend_process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "core/transport/channels.h"
+
+namespace vpslam {
+namespace {
+
+constexpr const char* kName = "backend";
+constexpr std::chrono::hours kForever{24 * 365};
+constexpr std::size_t kRequestCapacity = 16;
+// Parts of up to 60 kB: two of them fit the smallest receive buffer in use.
+constexpr int kMapWindow = 2;
+
+StreamWriterOptions Window(int window) {
+  StreamWriterOptions options;
+  options.window = window;
+  return options;
+}
+
+}  // namespace
+
+BackendProcess::BackendProcess(Bus& bus, Peers& peers, StatusReporter& status,
+                               const std::vector<std::string>& required, MakeMapper make_mapper)
+    : bus_(bus),
+      peers_(peers),
+      status_(status),
+      make_mapper_(std::move(make_mapper)),
+      camera_(bus),
+      keyframes_(bus, kKeyframeChannel, kName, AckPolicy::kOnReceipt),
+      requests_(bus, kMapRequestChannel, kRequestCapacity),
+      deltas_(bus, kMapChannel, RequiredConsumers(kMapConsumers, required), Window(kMapWindow)) {}
+
+void BackendProcess::Run() {
+  status_.SetState(ProcessState::kReady);
+  const std::optional<Camera> camera = camera_.Wait();
+  if (!camera) return;
+  mapper_ = make_mapper_(*camera);
+  status_.SetState(ProcessState::kRunning);
+  while (true) {
+    const auto news = [this] { return keyframes_.HasNews() || requests_.HasMessage(); };
+    if (!peers_.WaitFor(news, {"frontend"})) return;
+    status_.SetQueued(static_cast<int64_t>(keyframes_.size()));
+    if (!AnswerRequests()) return;
+    if (keyframes_.Ended()) break;
+    const auto item = keyframes_.TryTake();
+    if (!item) continue;
+    if (!SendAll(mapper_->process(item->value))) return;
+    status_.AddProcessed();
+  }
+  if (deltas_.SendEnd() && deltas_.WaitAllAcked(kForever)) spdlog::info("end of the sequence");
+}
+
+bool BackendProcess::AnswerRequests() {
+  bool wanted = false;
+  while (const auto request = requests_.TryTake()) {
+    // Requests are repeated; one that is of an older state than the answer to it is served again.
+    if (request->value.map_version >= mapper_->version()) continue;
+    spdlog::info("{} has version {} of the map and gets a snapshot of {}", request->value.process,
+                 request->value.map_version, mapper_->version());
+    wanted = true;
+  }
+  return !wanted || SendAll(mapper_->snapshot());
+}
+
+bool BackendProcess::SendAll(const std::vector<MapDelta>& deltas) {
+  return std::all_of(deltas.begin(), deltas.end(),
+                     [this](const MapDelta& delta) { return deltas_.Send(delta); });
+}
+
+}  // namespace vpslam

@@ -1,0 +1,173 @@
+#include "frontend/frontend_process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "core/transport/channels.h"
+#include "core/transport/clock.h"
+
+namespace vpslam {
+namespace {
+
+constexpr const char* kName = "frontend";
+constexpr const char* kBackend = "backend";
+constexpr const char* kPlayer = "player";
+constexpr std::chrono::milliseconds kRequestPeriod{500};
+constexpr std::chrono::hours kForever{24 * 365};
+
+StreamWriterOptions Window(int window) {
+  StreamWriterOptions options;
+  options.window = window;
+  return options;
+}
+
+double ElapsedMs(int64_t since_us) {
+  return static_cast<double>(MonotonicMicroseconds() - since_us) * 1e-3;
+}
+
+}  // namespace
+
+FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
+                                 const std::vector<std::string>& required, MakeTracker make_tracker)
+    : bus_(bus),
+      peers_(peers),
+      status_(status),
+      required_(required),
+      make_tracker_(std::move(make_tracker)),
+      camera_(bus),
+      images_(bus, kImageChannel, kName, AckPolicy::kWhenDone),
+      deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
+      poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required), Window(64)),
+      keyframes_(bus, kKeyframeChannel, RequiredConsumers(kKeyframeConsumers, required), Window(2)),
+      requests_(bus, kMapRequestChannel) {}
+
+void FrontendProcess::Run() {
+  status_.SetState(ProcessState::kReady);
+  const std::optional<Camera> camera = camera_.Wait();
+  if (!camera) return;
+  tracker_ = make_tracker_(*camera);
+  if (!CatchUp()) return;
+  CheckBackend();
+  status_.SetState(ProcessState::kRunning);
+  while (true) {
+    if (!peers_.WaitFor([this] { return images_.HasNews(); }, {kPlayer})) return;
+    status_.SetQueued(static_cast<int64_t>(images_.size()));
+    if (images_.Ended()) break;
+    const auto item = images_.TryTake();
+    if (!item) continue;
+    if (!Process(*item)) return;
+    images_.Done(item->header);
+    status_.AddProcessed();
+  }
+  if (Finish()) spdlog::info("end of the sequence");
+}
+
+bool FrontendProcess::Process(const Images::Item& item) {
+  std::string why;
+  const std::optional<ImageFrame> image = fetcher_.Fetch(item.value, &why);
+  if (!image) {
+    CountRejected(bus_, kImageChannel, why);
+    return true;
+  }
+  const double transport_ms = ElapsedMs(image->published_us);
+  Tracker::Output output = tracker_->track(*image);
+  for (FramePose& pose : output.poses) {
+    if (!pose.live || pose.frame_seq != image->frame_seq) continue;
+    pose.image_published_us = image->published_us;
+    pose.times.decode_ms = image->decode_ms;
+    pose.times.transport_ms = transport_ms;
+    pose.times.total_ms = ElapsedMs(image->published_us);
+  }
+  if (!SendPoses(output.poses)) return false;
+  if (output.keyframes.empty()) return true;
+  for (const KeyframeProposal& keyframe : output.keyframes) {
+    if (!keyframes_.Send(keyframe)) return false;
+  }
+  return WaitForAnswer(output.keyframes.back().id);
+}
+
+bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
+  return std::all_of(poses.begin(), poses.end(),
+                     [this](const FramePose& pose) { return poses_.Send(pose); });
+}
+
+bool FrontendProcess::CatchUp() {
+  // A backend that is needed is waited for, since only it can tell whether there is a map already.
+  const std::vector<std::string> missing = RequiredConsumers(kKeyframeConsumers, required_);
+  if (!bus_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, kForever)) return false;
+  const auto backend = peers_.Get(kBackend);
+  if (!backend || backend->processed == 0) return true;
+  spdlog::info("there is a map already; asking for it");
+  resyncing_ = true;
+  return TakeDeltasUntil([this] { return !resyncing_; });
+}
+
+bool FrontendProcess::WaitForAnswer(KeyframeId keyframe) {
+  return TakeDeltasUntil([&] { return answered_ == keyframe && !resyncing_; });
+}
+
+bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
+  auto next_request = std::chrono::steady_clock::now();
+  while (!enough()) {
+    if (resyncing_ && std::chrono::steady_clock::now() >= next_request) {
+      requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
+      next_request = std::chrono::steady_clock::now() + kRequestPeriod;
+    }
+    if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
+      if (bus_.interrupted()) return false;
+      CheckBackend();
+      continue;
+    }
+    if (const auto item = deltas_.TryTake()) TakeUp(*item);
+  }
+  return true;
+}
+
+void FrontendProcess::CheckBackend() {
+  if (const auto why = peers_.WhyGone(kBackend); why && !deltas_.HasMessage()) {
+    throw PeerGoneError(*why);
+  }
+  const auto session = peers_.Session(kBackend);
+  if (backend_session_ && session != backend_session_) {
+    throw PeerGoneError("the backend was restarted and its map is lost; start the run again");
+  }
+  backend_session_ = session;
+}
+
+void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
+  const MapDelta& delta = item.value;
+  if (delta.answers.IsValid()) answered_ = delta.answers;
+  newest_version_ = std::max(newest_version_, delta.version);
+  if (resyncing_) {
+    // Deltas are refused until the snapshot begins, and fit one another from there on. The replica
+    // has a version below 0 until the snapshot is complete.
+    if (tracker_->apply(delta) && tracker_->map_version() >= newest_version_) resyncing_ = false;
+    return;
+  }
+  // A snapshot that another replica asked for says nothing new.
+  if (delta.version <= tracker_->map_version()) return;
+  if (tracker_->apply(delta)) return;
+  spdlog::warn(
+      "the replica has version {} of the map, but a change starts at {}; asking for a "
+      "snapshot",
+      tracker_->map_version(), delta.base_version);
+  resyncing_ = true;
+}
+
+bool FrontendProcess::Finish() {
+  if (!SendPoses(tracker_->finish().poses)) return false;
+  if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
+  if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;
+  // The backend ends MAP next, and waits until this process has received that.
+  if (!peers_.Get(kBackend)) return true;
+  while (!deltas_.Ended()) {
+    if (!peers_.WaitFor([this] { return deltas_.HasNews(); }, {kBackend})) return false;
+    deltas_.TryTake();
+  }
+  return true;
+}
+
+}  // namespace vpslam

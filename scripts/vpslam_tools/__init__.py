@@ -1,0 +1,1 @@
+"""What stands behind scripts/vpslam: building, launching, evaluating."""

@@ -1,0 +1,48 @@
+"""The progress line, from what the recorder prints: one JSON object a line."""
+
+import json
+import shutil
+import sys
+import time
+
+QUIET_S = 10.0  # between two lines where the output is not a terminal
+
+
+class Progress:
+    def __init__(self, stream=sys.stdout):
+        self._stream = stream
+        self._on_terminal = stream.isatty()
+        self._line_open = False
+        self._last_printed = -QUIET_S
+
+    def show(self, json_line):
+        """Returns whether frames come through."""
+        try:
+            line = describe(json.loads(json_line))
+        except (ValueError, KeyError, TypeError, AttributeError):
+            return False  # not a progress line; nothing hangs on it
+        if line is None:
+            return False
+        if self._on_terminal:
+            width = shutil.get_terminal_size().columns - 1
+            print("\r\033[K" + line[:width], end="", file=self._stream, flush=True)
+            self._line_open = True
+        elif time.monotonic() >= self._last_printed + QUIET_S:
+            print(line, file=self._stream, flush=True)
+            self._last_printed = time.monotonic()
+        return True
+
+    def tell(self, text):
+        """Another line, in between."""
+        if self._line_open:
+            print(file=self._stream)
+            self._line_open = False
+        print(text, file=self._stream, flush=True)
+
+
+def describe(progress):
+    if progress["frame"] < 0:
+        return None
+    return (f"frame {progress['frame']}  {progress['fps']:.1f} fps  {progress['state']}  "
+            f"keyframes {progress['keyframes']}  points {progress['points']}  "
+            f"dropped {progress['dropped']}")

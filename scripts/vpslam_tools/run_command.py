@@ -1,0 +1,162 @@
+"""`vpslam run`: the whole graph on one sequence."""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import random
+import re
+
+from vpslam_tools import install_build, multicast, processes, registry
+from vpslam_tools.errors import UserError
+from vpslam_tools.evaluate_command import evaluate_files
+from vpslam_tools.guardian import Guardian
+from vpslam_tools.progress import Progress
+from vpslam_tools.supervisor import Supervisor
+
+LOG_LINES_TOLD = 6
+INTERRUPTED = 130
+
+
+def at_least(smallest):
+    def parse(text):
+        if not text.isdecimal() or int(text) < smallest:
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from {smallest} on")
+        return int(text)
+    return parse
+
+
+def add_parser(commands):
+    parser = commands.add_parser(
+        "run", help="run the process graph on a sequence",
+        description="Launches player, frontend, backend and recorder as processes of their own on "
+        "an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends it early, with "
+        "results, and a second one at once.")
+    parser.add_argument("sequence", metavar="SEQUENCE",
+                        help="folder in TUM RGB-D layout: rgb.txt, camera.yaml, and groundtruth.txt "
+                        "where there is one")
+    parser.add_argument("--camera", metavar="FILE", help="calibration; default: camera.yaml of the "
+                        "sequence")
+    parser.add_argument("--out", metavar="DIR",
+                        help="results folder; default: results/DATE-SEQUENCE")
+    parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
+    parser.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[],
+                        help="one setting, over those of the file; may be repeated")
+    parser.add_argument("--pace", choices=["lockstep"], default="lockstep",
+                        help="lockstep (default): nothing is dropped, results repeat exactly")
+    parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
+    parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
+    parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",
+                        help="of the random numbers (default: 1)")
+    parser.add_argument("--preset", choices=["points"], default="points",
+                        help="points (default): point features only")
+    parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
+    parser.add_argument("--session", type=at_least(1), metavar="N",
+                        help="id of the run, in the player's messages and the name of its shared "
+                        "memory; default: a random one")
+    parser.set_defaults(function=run)
+
+
+def run(args):
+    check_input(args)
+    install_build.prepare()
+    registry.sweep()
+    url = args.url or multicast.free_url()
+    if url.startswith("udpm"):
+        multicast.ensure_multicast()
+    out = pathlib.Path(args.out).resolve() if args.out else default_out(args.sequence)
+    logs = out / "logs"
+    try:
+        logs.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{out}: cannot be made ({error.strerror}); name another folder with --out"
+                        ) from None
+    (out / "summary.json").unlink(missing_ok=True)  # of an earlier run: it marks complete results
+    session = str(args.session or random.SystemRandom().randrange(1, 1 << 62))
+    run_record = {"session": session, "url": url, "sequence": args.sequence,
+                  "out": str(out), "started": datetime.datetime.now().isoformat("T", "seconds"),
+                  "launcher": registry.identify(os.getpid()), "processes": {}}
+    commands = processes.command_lines(args, url, session, out)
+    progress = Progress()
+    progress.tell(f"LCM URL  {url}")
+    supervisor = launch(run_record, commands, logs, progress)
+    return conclude(supervisor, args, out, progress)
+
+
+def check_input(args):
+    """What would only come out when the processes are up; the rest they check themselves."""
+    if not pathlib.Path(args.sequence).is_dir():
+        raise UserError(f"{args.sequence}: no such folder; name one in TUM RGB-D layout")
+    for option in ("camera", "config"):
+        path = getattr(args, option)
+        if path and not pathlib.Path(path).is_file():
+            raise UserError(f"{path}: no such file; check --{option}")
+    for setting in args.set:
+        if not re.match(r"(frontend|backend)\.[\w.]+=.", setting):
+            raise UserError(f"--set {setting}: write it as frontend.KEY=VALUE or backend.KEY=VALUE")
+
+
+def default_out(sequence):
+    stamp = datetime.datetime.now().strftime("%Y-%m-%d_%H%M%S")
+    name = f"{stamp}-{pathlib.Path(sequence).resolve().name}"
+    path = pathlib.Path("results", name).resolve()
+    repeat = 2
+    while path.exists():
+        path, repeat = path.with_name(f"{name}-{repeat}"), repeat + 1
+    return path
+
+
+def launch(run_record, commands, logs, progress):
+    registry.write(run_record)
+    guardian = Guardian(run_record["session"])
+    supervisor = Supervisor(processes.GRAPH, progress.show)
+    try:
+        for name in reversed(processes.GRAPH):
+            try:
+                pid = supervisor.start(name, commands[name], logs / f"{name}.log")
+            except OSError as error:
+                raise UserError(f"{commands[name][0]}: cannot be started ({error.strerror}); "
+                                "build it with `scripts/vpslam build`") from None
+            run_record["processes"][name] = registry.identify(pid) or {"pid": pid, "start": 0}
+            registry.write(run_record)
+        supervisor.run()
+    finally:
+        supervisor.stop()
+        registry.clean_up(run_record)
+        guardian.dismiss()
+    return supervisor
+
+
+def conclude(supervisor, args, out, progress):
+    """Says how it went; the exit code."""
+    for name, fault in supervisor.faults.items():
+        log = supervisor.children[name].log_path
+        progress.tell(f"{name} {fault}; {log} ends:")
+        lines = log.read_text(errors="replace").splitlines()
+        progress.tell("\n".join("  " + line for line in lines[-LOG_LINES_TOLD:]) or "  (empty)")
+    summary = out / "summary.json"
+    frames = json.loads(summary.read_text())["frames"] if summary.exists() else {"in": 0}
+    if frames["in"] > 0:
+        progress.tell(describe_results(args, out, frames))
+    elif not supervisor.faults:
+        progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
+    if supervisor.faults:
+        return 1
+    return INTERRUPTED if supervisor.interrupts >= 2 else 0
+
+
+def describe_results(args, out, frames):
+    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
+    truth = pathlib.Path(args.sequence, "groundtruth.txt")
+    estimate = out / "trajectory.txt"
+    if truth.exists() and estimate.exists():
+        try:
+            ate = evaluate_files(estimate, truth).ate_m.rmse
+            lines.append(f"ATE      {ate:.4f} m (rmse after sim3 alignment)")
+        except UserError as error:
+            lines.append(f"ATE      none: {error}")
+    if estimate.exists():
+        poses = sum(1 for line in open(estimate) if line.strip() and not line.startswith("#"))
+        lines.append(f"coverage {poses / frames['in']:.4f} ({poses} poses)")
+    return "\n".join(lines + [f"results  {out}"])

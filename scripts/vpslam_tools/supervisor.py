@@ -1,0 +1,187 @@
+"""Starts the processes of a graph, watches them, and lets none outlive the launcher.
+
+The end is a cascade: the player ends with its sequence (or on SIGINT), and each process downstream
+ends when it has worked off what the one before it sent. The supervisor only waits; it steps in
+where a process fails, ends before its time, or does not end.
+"""
+
+import ctypes
+import os
+import selectors
+import signal
+import subprocess
+import time
+
+DRAIN_S = 120.0      # from the player's end to the last process's
+INTERRUPT_S = 30.0   # from Ctrl-C to the player's end
+CASCADE_S = 20.0     # from the end of a player that failed to the last process's
+OUT_OF_TURN_S = 5.0  # a process that ended, before the one upstream of it
+TERMINATE_S = 5.0    # from SIGTERM to SIGKILL
+RECORDER_S = 30.0    # the same for the recorder, which still writes the results
+TICK_S = 0.5         # how often the limits above are looked at
+PR_SET_PDEATHSIG = 1
+
+
+class Child:
+    def __init__(self, name, command, log_path, pipe_output):
+        self.name, self.log_path = name, log_path
+        self.ended_at = None
+        launcher = os.getpid()
+        libc = ctypes.CDLL(None)
+
+        def die_with_launcher():
+            libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+            if os.getppid() != launcher:
+                os._exit(1)  # it died before the line above
+
+        with open(log_path, "wb") as log:
+            # A session of its own: Ctrl-C on the terminal reaches the launcher alone.
+            self.popen = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stderr=log,
+                stdout=subprocess.PIPE if pipe_output else log,
+                start_new_session=True, preexec_fn=die_with_launcher)
+
+    def is_running(self):
+        """Also notes the time of the end when it is first seen."""
+        if self.ended_at is None and self.popen.poll() is not None:
+            self.ended_at = time.monotonic()
+        return self.ended_at is None
+
+    def signal(self, number):
+        if self.is_running():
+            try:
+                os.killpg(self.popen.pid, number)
+            except ProcessLookupError:
+                pass
+
+    def how_it_failed(self):
+        """None if it runs or ended well."""
+        if self.is_running() or self.popen.returncode == 0:
+            return None
+        if self.popen.returncode < 0:
+            return f"was killed by {signal.Signals(-self.popen.returncode).name}"
+        return f"failed with exit code {self.popen.returncode}"
+
+
+class Supervisor:
+    """`order`: names from the source downstream; the first ends by itself, the last writes the
+    results. `on_output` gets each line that the last one prints, and returns true once frames
+    come through."""
+
+    def __init__(self, order, on_output):
+        self.order, self.on_output = order, on_output
+        self.children = {}
+        self.interrupts = 0
+        self.faults = {}  # name of the process: what is wrong with it
+        self._frames_come = False
+        self._selector = selectors.DefaultSelector()
+        self._unfinished_line = b""
+        self._wakeup, writing = os.pipe()
+        os.set_blocking(self._wakeup, False)
+        os.set_blocking(writing, False)
+        signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+        self._selector.register(self._wakeup, selectors.EVENT_READ, self._on_signal)
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._count_interrupt)
+
+    def _count_interrupt(self, *_):
+        self.interrupts += 1
+
+    def start(self, name, command, log_path):
+        is_last = name == self.order[-1]
+        child = Child(name, command, log_path, pipe_output=is_last)
+        self.children[name] = child
+        if is_last:
+            os.set_blocking(child.popen.stdout.fileno(), False)
+            self._selector.register(child.popen.stdout, selectors.EVENT_READ, self._on_pipe)
+        return child.popen.pid
+
+    def run(self):
+        """Returns when no process is left; `faults` and `interrupts` say how it went."""
+        player = self.children[self.order[0]]
+        told, deadline = False, None
+        while self._running() and not self._find_faults() and self.interrupts < 2:
+            if self.interrupts == 1 and not told:
+                told, deadline = True, time.monotonic() + INTERRUPT_S
+                player.signal(signal.SIGINT)
+            if not player.is_running():
+                deadline = player.ended_at + DRAIN_S
+            if deadline is not None and time.monotonic() > deadline:
+                self.faults[self._running()[0].name] = "did not end in time"
+                break
+            self._wait(TICK_S)
+        if self._frames_come and (player.popen.returncode or 0) > 0:
+            # A source that broke down half-way still ended its stream: let it be worked off.
+            deadline = player.ended_at + CASCADE_S
+            while self._running() and time.monotonic() < deadline and self.interrupts < 2:
+                self._wait(TICK_S)
+        self.stop()
+
+    def stop(self):
+        """Ends what still runs, the one that writes the results last."""
+        last = self.children.get(self.order[-1])
+        if self.interrupts < 2:
+            self._terminate([child for child in self._running() if child is not last], TERMINATE_S)
+            self._terminate(self._running(), RECORDER_S)
+        else:
+            self._terminate(self._running(), TERMINATE_S)
+        self._wait(0)  # the last output
+
+    def _terminate(self, children, patience_s):
+        interrupts = self.interrupts
+        deadline = time.monotonic() + patience_s
+        for child in children:
+            child.signal(signal.SIGTERM)
+        while any(child.is_running() for child in children):
+            if time.monotonic() > deadline or self.interrupts > interrupts:
+                for child in children:
+                    child.signal(signal.SIGKILL)
+            self._wait(TICK_S)
+
+    def _running(self):
+        """In the order of the graph."""
+        return [self.children[name] for name in self.order
+                if name in self.children and self.children[name].is_running()]
+
+    def _find_faults(self):
+        running = self._running()
+        for position, name in enumerate(self.order):
+            child = self.children[name]
+            if child.is_running():
+                continue
+            fault = child.how_it_failed()
+            upstream = [other for other in running if other.name in self.order[:position]]
+            if (fault is None and upstream
+                    and time.monotonic() > child.ended_at + OUT_OF_TURN_S):
+                fault = f"ended while {upstream[0].name} was still running"
+            if fault:
+                self.faults[name] = fault
+        return self.faults
+
+    # --- events
+
+    def _wait(self, timeout_s):
+        """Until a process ends, prints or a signal comes, at most timeout_s."""
+        for key, _ in self._selector.select(timeout_s):
+            key.data()
+
+    def _on_signal(self):
+        try:
+            os.read(self._wakeup, 4096)
+        except BlockingIOError:
+            pass
+
+    def _on_pipe(self):
+        pipe = self.children[self.order[-1]].popen.stdout
+        try:
+            data = os.read(pipe.fileno(), 65536)
+        except BlockingIOError:
+            return
+        if not data:
+            self._selector.unregister(pipe)
+            return
+        lines = (self._unfinished_line + data).split(b"\n")
+        self._unfinished_line = lines.pop()
+        for line in lines:
+            self._frames_come |= self.on_output(line.decode(errors="replace"))

@@ -1,0 +1,76 @@
+"""Runs that end early: by Ctrl-C, by the death of a process, by the death of the launcher."""
+
+import os
+import pathlib
+import signal
+import unittest
+
+import system
+
+
+class Interruption(system.SystemTest):
+    def start_and_wait_for_frames(self, name):
+        """Starts a run that would last, and returns it once poses come."""
+        process = self.start(self.endless, "--out", self.folder / name)
+        self.wait_until(self.running, "start")
+        # Whatever the launcher prints next means that frames come through.
+        line = process.stdout.readline()
+        while line and not line.startswith("frame"):
+            line = process.stdout.readline()
+        self.assertTrue(line, "the run ended before any frame came through")
+        return process, self.running()
+
+    @classmethod
+    def setUpClass(cls):
+        """The sequence over and over again, so that no run ends before it is interrupted."""
+        super().setUpClass()
+        cls.endless = cls.folder / "endless"
+        cls.endless.mkdir()
+        os.symlink(system.sequence() / "rgb", cls.endless / "rgb")
+        os.symlink(system.sequence() / "camera.yaml", cls.endless / "camera.yaml")
+        names = [line.split()[1]
+                 for line in (system.sequence() / "rgb.txt").read_text().splitlines()]
+        there_and_back = (names + names[::-1]) * 50
+        (cls.endless / "rgb.txt").write_text("".join(
+            f"{frame / 30:.6f} {name}\n" for frame, name in enumerate(there_and_back)))
+
+    def test_ctrl_c_writes_results(self):
+        process, _ = self.start_and_wait_for_frames("ctrl_c")
+        process.send_signal(signal.SIGINT)
+        status, output = self.finish(process)
+        self.assertEqual(status, 0, output)
+        self.assertTrue((self.folder / "ctrl_c" / "summary.json").exists(), output)
+        self.assertTrue((self.folder / "ctrl_c" / "trajectory.txt").exists(), output)
+        self.assert_nothing_left()
+
+    def test_two_ctrl_c_end_at_once(self):
+        process, _ = self.start_and_wait_for_frames("twice")
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGINT)
+        self.assertIn(self.finish(process, timeout_s=30)[0], (0, 130))
+        self.assert_nothing_left()
+
+    def test_killed_process(self):
+        for name in system.NAMES:
+            with self.subTest(name):
+                process, run = self.start_and_wait_for_frames("killed_" + name)
+                os.kill(run["processes"][name]["pid"], signal.SIGKILL)
+                status, output = self.finish(process)
+                self.assertEqual(status, 1)
+                self.assertIn(f"{name} was killed by SIGKILL", output)
+                written = (self.folder / ("killed_" + name) / "summary.json").exists()
+                self.assertEqual(written, name != "recorder")
+                self.assert_nothing_left()
+
+    def test_killed_launcher(self):
+        process, run = self.start_and_wait_for_frames("killed_launcher")
+        segment = pathlib.Path(f"/dev/shm/vpslam-{run['session']}")
+        self.assertTrue(segment.exists())
+        os.kill(run["launcher"]["pid"], signal.SIGKILL)
+        self.finish(process)
+        self.wait_until(lambda: not self.running(), "the guardian", timeout_s=20)
+        self.assert_nothing_left()
+
+
+if __name__ == "__main__":
+    unittest.main()

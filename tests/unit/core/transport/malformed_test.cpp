@@ -1,0 +1,156 @@
+// What a careless or hostile sender may put into a datagram: it has to be refused, without a crash
+// and without allocating what it merely promises.
+#include <cstring>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "core/transport/codec.h"
+#include "random_messages.h"
+
+namespace vpslam::test {
+namespace {
+
+constexpr std::size_t kLengthsOffset = 8 + 33;  // fingerprint, header
+
+template <class T>
+bool Accepts(const std::vector<uint8_t>& bytes) {
+  std::string why;
+  const bool accepted = Decode<T>(bytes, &why).has_value();
+  EXPECT_EQ(accepted, why.empty());
+  return accepted;
+}
+
+void PutInt32(std::vector<uint8_t>* bytes, std::size_t offset, int32_t value) {
+  const auto v = static_cast<uint32_t>(value);
+  for (int i = 0; i < 4; ++i) (*bytes)[offset + i] = static_cast<uint8_t>(v >> (24 - 8 * i));
+}
+
+template <class T>
+void ExpectRefusesDamage(RandomMessages& random, const T& value, int num_lengths) {
+  const std::vector<uint8_t> good = Encode(random.SomeHeader(), value);
+  ASSERT_TRUE(Accepts<T>(good));
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    ASSERT_FALSE(Accepts<T>({good.begin(), good.begin() + size})) << "cut to " << size;
+  }
+  std::vector<uint8_t> longer = good;
+  longer.push_back(0);
+  EXPECT_FALSE(Accepts<T>(longer));
+  std::vector<uint8_t> alien = good;
+  alien[3] ^= 1;
+  EXPECT_FALSE(Accepts<T>(alien)) << "another fingerprint";
+  for (int i = 0; i < num_lengths; ++i) {
+    for (const int32_t length : {-1, INT32_MIN, INT32_MAX, 1 << 28, 1 << 20}) {
+      std::vector<uint8_t> bytes = good;
+      PutInt32(&bytes, kLengthsOffset + 4 * i, length);
+      EXPECT_FALSE(Accepts<T>(bytes)) << "length " << i << " = " << length;
+    }
+  }
+  // Any accident: decoding either refuses or gives something that may be sent on.
+  for (int i = 0; i < 300; ++i) {
+    std::vector<uint8_t> bytes = good;
+    for (int n = random.Int(1, 8); n > 0; --n) {
+      bytes[random.Int(8, static_cast<int>(bytes.size()) - 1)] = random.Int(0, 255);
+    }
+    std::string why;
+    if (const auto decoded = Decode<T>(bytes, &why)) {
+      EXPECT_NO_THROW(Encode(decoded->header, decoded->value));
+    }
+  }
+  // Noise behind the right fingerprint.
+  for (int i = 0; i < 100; ++i) {
+    std::vector<uint8_t> bytes = good;
+    for (std::size_t j = 8; j < bytes.size(); ++j) bytes[j] = random.Int(0, 255);
+    std::string why;
+    Decode<T>(bytes, &why);
+  }
+}
+
+class Malformed : public ::testing::Test {
+ protected:
+  // Whoever allocates gigabytes fails here.
+  void SetUp() override {
+    getrlimit(RLIMIT_AS, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = rlim_t{1} << 30;
+#if !defined(__SANITIZE_ADDRESS__)
+    setrlimit(RLIMIT_AS, &limit);
+#endif
+  }
+  void TearDown() override { setrlimit(RLIMIT_AS, &before_); }
+
+  RandomMessages random_{11};
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(Malformed, Camera) { ExpectRefusesDamage(random_, random_.SomeCamera(), 0); }
+TEST_F(Malformed, InlineImage) { ExpectRefusesDamage(random_, random_.Image(true), 1); }
+TEST_F(Malformed, SharedImage) { ExpectRefusesDamage(random_, random_.Image(false), 1); }
+TEST_F(Malformed, Features) { ExpectRefusesDamage(random_, random_.SomeFrameFeatures(), 1); }
+TEST_F(Malformed, Lines) { ExpectRefusesDamage(random_, random_.Lines(), 2); }
+TEST_F(Malformed, Pose) { ExpectRefusesDamage(random_, random_.SomeFramePose(), 0); }
+TEST_F(Malformed, Truth) { ExpectRefusesDamage(random_, random_.SomeTruth(), 0); }
+TEST_F(Malformed, Keyframe) { ExpectRefusesDamage(random_, random_.Keyframe(20), 5); }
+TEST_F(Malformed, Delta) { ExpectRefusesDamage(random_, random_.Delta(10), 6); }
+TEST_F(Malformed, MapRequest) { ExpectRefusesDamage(random_, random_.SomeMapRequest(), 0); }
+TEST_F(Malformed, Ack) { ExpectRefusesDamage(random_, random_.SomeAck(), 0); }
+TEST_F(Malformed, Command) { ExpectRefusesDamage(random_, random_.SomeCommand(), 0); }
+TEST_F(Malformed, Status) { ExpectRefusesDamage(random_, random_.Status(), 0); }
+TEST_F(Malformed, Preview) { ExpectRefusesDamage(random_, random_.SomePreview(), 1); }
+
+TEST_F(Malformed, RandomBytes) {
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<uint8_t> bytes(random_.Int(0, 400));
+    for (uint8_t& b : bytes) b = random_.Int(0, 255);
+    EXPECT_FALSE(Accepts<FramePose>(bytes));
+    EXPECT_FALSE(Accepts<MapDelta>(bytes));
+    EXPECT_FALSE(Accepts<ProcessStatus>(bytes));
+  }
+}
+
+TEST_F(Malformed, StringsOfImpossibleLength) {
+  const Command command = random_.SomeCommand();
+  const std::vector<uint8_t> good = Encode(random_.SomeHeader(), command);
+  for (const int32_t length : {0, -1, INT32_MIN, INT32_MAX, 1000}) {
+    std::vector<uint8_t> bytes = good;
+    PutInt32(&bytes, kLengthsOffset, length);
+    EXPECT_FALSE(Accepts<Command>(bytes)) << length;
+  }
+}
+
+TEST_F(Malformed, NotANumber) {
+  const std::vector<uint8_t> good = Encode(random_.SomeHeader(), random_.SomeTruth());
+  // frame_seq and stamp_us come first, then rotation and translation.
+  for (int i = 0; i < 7; ++i) {
+    std::vector<uint8_t> bytes = good;
+    const std::size_t offset = kLengthsOffset + 16 + 8 * i;
+    bytes[offset] = 0x7f;
+    bytes[offset + 1] = 0xf8;
+    EXPECT_FALSE(Accepts<Truth>(bytes)) << i;
+  }
+}
+
+TEST_F(Malformed, ObservationsThatBelongToNoKeyframe) {
+  MapDelta delta = random_.Delta(0);
+  delta.keyframes.resize(1);
+  delta.keyframes[0] = KeyframeState();
+  delta.keyframes[0].id = KeyframeId(1);
+  delta.keyframes[0].map = MapId(0);
+  delta.keyframes[0].observations = {{1, PointId(2)}, {3, PointId(4)}};
+  delta.erased_maps.clear();
+  delta.tombstones.clear();
+  const std::vector<uint8_t> good = Encode(random_.SomeHeader(), delta);
+  ASSERT_TRUE(Accepts<MapDelta>(good));
+  // The keyframe's own number of observations stands right before the observations at the end.
+  const std::size_t offset = good.size() - 2 * 8 - 4;
+  for (const int32_t count : {-1, 0, 1, 3, INT32_MAX}) {
+    std::vector<uint8_t> bytes = good;
+    PutInt32(&bytes, offset, count);
+    EXPECT_FALSE(Accepts<MapDelta>(bytes)) << count;
+  }
+}
+
+}  // namespace
+}  // namespace vpslam::test

@@ -1,0 +1,130 @@
+// Stand-ins for tracker and mapper that write down in which order things reach them.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "backend/backend_process.h"
+#include "frontend/frontend_process.h"
+
+namespace vpslam::test {
+
+/// Its map is the list of keyframes; each comes in parts, as a large change would.
+class FakeMapper {
+ public:
+  static constexpr int kParts = 3;
+
+  MapperCalls Calls() {
+    return {[this](const KeyframeProposal& keyframe) { return Process(keyframe); },
+            [this] { return Snapshot(); }, [this] { return version_; }};
+  }
+
+  std::vector<MapDelta> Process(const KeyframeProposal& keyframe) {
+    if (work_ > work_.zero()) std::this_thread::sleep_for(work_);
+    keyframes_.push_back(keyframe.id);
+    std::vector<MapDelta> parts(kParts);
+    for (MapDelta& part : parts) {
+      part.base_version = version_;
+      part.version = ++version_;
+    }
+    parts.back().keyframes.push_back(State(keyframe.id));
+    parts.back().answers = keyframe.id;
+    return parts;
+  }
+
+  std::vector<MapDelta> Snapshot() {
+    ++snapshots_;
+    std::vector<MapDelta> parts(2);
+    parts[0].snapshot = true;
+    parts[0].version = -1;
+    parts[1].base_version = -1;
+    parts[1].version = version_;
+    for (const KeyframeId id : keyframes_) parts[1].keyframes.push_back(State(id));
+    return parts;
+  }
+
+  std::chrono::milliseconds work_{0};
+  std::vector<KeyframeId> keyframes_;
+  int64_t version_ = 0;
+  std::atomic<int> snapshots_{0};
+
+ private:
+  static KeyframeState State(KeyframeId id) {
+    KeyframeState state;
+    state.id = id;
+    state.map = MapId(0);
+    return state;
+  }
+};
+
+/// Makes every fifth image a keyframe, the first two of them at once.
+class FakeTracker {
+ public:
+  TrackerCalls Calls() {
+    return {[this](const ImageFrame& image) { return Track(image); },
+            [this](const MapDelta& delta) { return Apply(delta); }, [this] { return Finish(); },
+            [this] { return version_; }};
+  }
+
+  Tracker::Output Track(const ImageFrame& image) {
+    log_.push_back(fmt::format("image {} {} with {} keyframes", image.frame_seq,
+                               image.pixels.at<uint8_t>(0, 0), replica_.size()));
+    Tracker::Output output;
+    FramePose pose;
+    pose.frame_seq = image.frame_seq;
+    pose.stamp_us = image.stamp_us;
+    output.poses.push_back(pose);
+    if (image.frame_seq % 5 == 4) {
+      if (next_id_ == 0) output.keyframes.push_back(Keyframe(image, KeyframeRole::kMapFirst));
+      output.keyframes.push_back(
+          Keyframe(image, next_id_ == 1 ? KeyframeRole::kMapSecond : KeyframeRole::kRegular));
+    }
+    return output;
+  }
+
+  bool Apply(const MapDelta& delta) {
+    if (refuse_version_ == delta.version && !delta.snapshot) {
+      refuse_version_ = -1;
+      return false;  // as if the one before had never come
+    }
+    if (!delta.snapshot && delta.base_version != version_) return false;
+    if (delta.snapshot) replica_.clear();
+    for (const KeyframeState& k : delta.keyframes) replica_.insert(k.id);
+    version_ = delta.version;
+    log_.push_back(fmt::format("delta {}", delta.version));
+    return true;
+  }
+
+  Tracker::Output Finish() {
+    FramePose late;
+    late.frame_seq = 0;
+    late.live = false;
+    Tracker::Output output;
+    output.poses.push_back(late);
+    return output;
+  }
+
+  std::vector<std::string> log_;
+  std::set<KeyframeId> replica_;
+  int64_t version_ = 0;
+  int64_t refuse_version_ = -1;
+  int next_id_ = 0;
+
+ private:
+  KeyframeProposal Keyframe(const ImageFrame& image, KeyframeRole role) {
+    KeyframeProposal keyframe;
+    keyframe.id = KeyframeId(next_id_++);
+    keyframe.role = role;
+    keyframe.map = MapId(0);
+    keyframe.frame_seq = image.frame_seq;
+    return keyframe;
+  }
+};
+
+}  // namespace vpslam::test

@@ -1,0 +1,295 @@
+// A whole graph in one process: a player, the real loops of frontend and backend around fakes, and
+// a recorder, over memq.
+#include <optional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/transport/channels.h"
+#include "core/transport/clock.h"
+#include "fakes.h"
+
+namespace vpslam::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr int kFrames = 23;
+constexpr int kKeyframes = 5;  // of frames 4 (two of them), 9, 14, 19
+
+Camera SmallCamera() {
+  Camera camera;
+  camera.width = 32;
+  camera.height = 24;
+  camera.fx = camera.fy = 30;
+  camera.cx = 16;
+  camera.cy = 12;
+  return camera;
+}
+
+class Graph {
+ public:
+  explicit Graph(double drop_share = 0, uint64_t drop_seed = 1)
+      : bus_(Options(drop_share, drop_seed)),
+        peers_(bus_),
+        player_status_(bus_, "player"),
+        recorder_status_(bus_, "recorder"),
+        poses_(bus_, kPoseChannel, "recorder", AckPolicy::kOnReceipt),
+        map_(bus_, kMapChannel, "recorder", AckPolicy::kOnReceipt) {
+    recorder_status_.SetState(ProcessState::kReady);
+  }
+  ~Graph() {
+    bus_.Interrupt();
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+  void StartBackend() {
+    threads_.emplace_back([this] {
+      StatusReporter status(bus_, "backend");
+      status.AddProcessed(static_cast<int64_t>(mapper_.keyframes_.size()));
+      BackendProcess backend(bus_, peers_, status, {"frontend", "recorder"},
+                             [this](const Camera&) { return mapper_.Calls(); });
+      Guard([&] { backend.Run(); });
+      backend_done_ = true;
+      bus_.Notify();
+    });
+  }
+  void StartFrontend() {
+    threads_.emplace_back([this] {
+      StatusReporter status(bus_, "frontend");
+      FrontendProcess frontend(bus_, peers_, status, {"backend", "recorder"},
+                               [this](const Camera&) { return tracker_.Calls(); });
+      Guard([&] { frontend.Run(); });
+      frontend_done_ = true;
+      bus_.Notify();
+    });
+  }
+
+  /// Plays the sequence in lockstep and waits until all have ended.
+  void Play() {
+    ASSERT_TRUE(peers_.WaitReady({"frontend", "backend"}, 5s));
+    CameraBeacon camera(bus_, SmallCamera());
+    constexpr int kWindow = 2;
+    StreamWriterOptions options;
+    options.window = kWindow;
+    StreamWriter<ImageMessage> images(bus_, kImageChannel, {"frontend"}, options);
+    ImagePool pool(ImageSegmentName(bus_.session()), kWindow + 1, 32 * 24);
+    for (int i = 0; i < kFrames; ++i) {
+      ImageFrame frame;
+      frame.frame_seq = i;
+      frame.stamp_us = 33333 * i;
+      frame.published_us = MonotonicMicroseconds();
+      frame.decode_ms = 0.5;
+      frame.pixels = cv::Mat(24, 32, CV_8UC1, cv::Scalar(i));
+      ASSERT_TRUE(images.WaitForRoom());
+      ASSERT_TRUE(images.Send(pool.Store(frame)));
+    }
+    ASSERT_TRUE(images.SendEnd());
+    ASSERT_TRUE(images.WaitAllAcked(20s));
+    ASSERT_TRUE(bus_.WaitFor([&] { return frontend_done_ && backend_done_; }, 20s));
+  }
+
+  std::vector<FramePose> RecordedPoses() {
+    std::vector<FramePose> poses;
+    while (auto item = poses_.TryTake()) poses.push_back(item->value);
+    return poses;
+  }
+
+  Bus bus_;
+  Peers peers_;
+  StatusReporter player_status_;
+  StatusReporter recorder_status_;
+  StreamReader<FramePose> poses_;
+  StreamReader<MapDelta> map_;
+  FakeTracker tracker_;
+  FakeMapper mapper_;
+  std::atomic<bool> frontend_done_{false}, backend_done_{false};
+  std::string error_;
+
+ private:
+  static BusOptions Options(double drop_share, uint64_t drop_seed) {
+    BusOptions options;
+    options.url = "memq://";
+    options.drop_share = drop_share;
+    options.drop_seed = drop_seed;
+    return options;
+  }
+  void Guard(const std::function<void()>& body) {
+    try {
+      body();
+    } catch (const std::exception& e) {
+      const std::lock_guard lock(error_mutex_);
+      error_ = e.what();
+    }
+  }
+
+  std::mutex error_mutex_;
+  std::vector<std::thread> threads_;
+};
+
+std::vector<std::string> RightLog() {
+  std::vector<std::string> log;
+  int keyframes = 0, version = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    log.push_back(fmt::format("image {} {} with {} keyframes", i, i, keyframes));
+    if (i % 5 != 4) continue;
+    const int more = keyframes == 0 ? 2 : 1;
+    keyframes += more;
+    for (int j = 0; j < more * FakeMapper::kParts; ++j) {
+      log.push_back(fmt::format("delta {}", ++version));
+    }
+  }
+  return log;
+}
+
+TEST(Graph, RunsASequenceInLockstepAndEnds) {
+  Graph graph;
+  graph.StartBackend();
+  graph.StartFrontend();
+  graph.Play();
+  EXPECT_EQ(graph.error_, "");
+  EXPECT_EQ(graph.tracker_.log_, RightLog());
+  EXPECT_EQ(graph.mapper_.keyframes_.size(), static_cast<std::size_t>(kKeyframes));
+  EXPECT_EQ(graph.mapper_.snapshots_, 0);
+
+  const std::vector<FramePose> poses = graph.RecordedPoses();
+  ASSERT_EQ(poses.size(), static_cast<std::size_t>(kFrames + 1));
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(poses[i].frame_seq, i);
+    EXPECT_EQ(poses[i].times.decode_ms, 0.5);
+    EXPECT_GE(poses[i].times.transport_ms, 0);
+    EXPECT_GE(poses[i].times.total_ms, poses[i].times.transport_ms);
+    EXPECT_GT(poses[i].image_published_us, 0);
+  }
+  EXPECT_FALSE(poses.back().live) << "what Finish owed";
+  EXPECT_TRUE(graph.poses_.Ended());
+  std::size_t deltas = 0;
+  while (graph.map_.TryTake()) ++deltas;
+  EXPECT_EQ(deltas, static_cast<std::size_t>(kKeyframes * FakeMapper::kParts));
+  EXPECT_TRUE(graph.map_.Ended());
+}
+
+class LossyGraph : public ::testing::TestWithParam<int> {};
+
+TEST_P(LossyGraph, TheOrderOfEventsDoesNotDependOnLossOrLoad) {
+  Graph graph(0.05, GetParam());
+  graph.mapper_.work_ = std::chrono::milliseconds(GetParam() * 10);
+  graph.StartFrontend();
+  graph.StartBackend();
+  graph.Play();
+  EXPECT_EQ(graph.error_, "");
+  EXPECT_GT(graph.bus_.counters().lost_on_purpose, 0);
+  EXPECT_EQ(graph.tracker_.log_, RightLog());
+  EXPECT_EQ(graph.RecordedPoses().size(), static_cast<std::size_t>(kFrames + 1));
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, LossyGraph, ::testing::Values(1, 2, 3));
+
+TEST(Graph, AReplicaThatMissedADeltaGetsASnapshotBeforeTheNextImage) {
+  for (const int refused : {1, 5, 6, 9}) {  // first, middle and last part of an answer
+    Graph graph;
+    graph.tracker_.refuse_version_ = refused;
+    graph.StartBackend();
+    graph.StartFrontend();
+    graph.Play();
+    EXPECT_EQ(graph.error_, "");
+    EXPECT_GE(graph.mapper_.snapshots_, 1) << refused;
+    // What the tracker knew at each image is the same as if nothing had been missed.
+    std::vector<std::string> images, right;
+    for (const auto& line : graph.tracker_.log_) {
+      if (line.rfind("image", 0) == 0) images.push_back(line);
+    }
+    for (const auto& line : RightLog()) {
+      if (line.rfind("image", 0) == 0) right.push_back(line);
+    }
+    EXPECT_EQ(images, right) << refused;
+    EXPECT_EQ(graph.tracker_.version_, graph.mapper_.version_) << refused;
+  }
+}
+
+TEST(Graph, AFrontendThatStartsLateTakesTheMapOver) {
+  Graph graph;
+  for (int i = 0; i < 4; ++i) {
+    KeyframeProposal keyframe;
+    keyframe.id = KeyframeId(i);
+    graph.mapper_.Process(keyframe);
+  }
+  graph.tracker_.next_id_ = 4;
+  graph.StartBackend();
+  graph.StartFrontend();
+  CameraBeacon camera(graph.bus_, SmallCamera());
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.mapper_.snapshots_ > 0; }, 5s));
+  ASSERT_TRUE(graph.peers_.WaitReady({"frontend"}, 5s));
+  StreamWriter<ImageMessage> images(graph.bus_, kImageChannel, {"frontend"});
+  ImageFrame frame;
+  frame.pixels = cv::Mat(24, 32, CV_8UC1, cv::Scalar(0));
+  ASSERT_TRUE(images.Send(InlineImage(frame)));
+  ASSERT_TRUE(images.SendEnd());
+  ASSERT_TRUE(images.WaitAllAcked(5s));
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.frontend_done_.load(); }, 5s));
+  EXPECT_EQ(graph.error_, "");
+  EXPECT_EQ(graph.tracker_.log_.back(), "image 0 0 with 4 keyframes");
+}
+
+TEST(Graph, AnImageThatCannotBeFetchedIsCountedAndPassedOver) {
+  Graph graph;
+  graph.StartBackend();
+  graph.StartFrontend();
+  ASSERT_TRUE(graph.peers_.WaitReady({"frontend", "backend"}, 5s));
+  CameraBeacon camera(graph.bus_, SmallCamera());
+  StreamWriter<ImageMessage> images(graph.bus_, kImageChannel, {"frontend"});
+  ImageMessage nowhere;
+  nowhere.width = 32;
+  nowhere.height = 24;
+  nowhere.segment = fmt::format("/vpslam-nowhere-{}", getpid());
+  nowhere.generation = 2;
+  ASSERT_TRUE(images.Send(nowhere));
+  ASSERT_TRUE(images.SendEnd());
+  ASSERT_TRUE(images.WaitAllAcked(5s));
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.frontend_done_ && graph.backend_done_; }, 5s));
+  EXPECT_EQ(graph.error_, "");
+  EXPECT_TRUE(graph.tracker_.log_.empty());
+  EXPECT_EQ(graph.bus_.counters().rejected, 1);
+}
+
+TEST(Graph, AnInterruptEndsAllLoops) {
+  Graph graph;
+  graph.StartBackend();
+  graph.StartFrontend();
+  ASSERT_TRUE(graph.peers_.WaitReady({"frontend", "backend"}, 5s));
+  CameraBeacon camera(graph.bus_, SmallCamera());
+  std::this_thread::sleep_for(50ms);
+  graph.bus_.Interrupt();
+  for (int i = 0; i < 200 && !(graph.frontend_done_ && graph.backend_done_); ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_TRUE(graph.frontend_done_ && graph.backend_done_);
+  EXPECT_EQ(graph.error_, "");
+}
+
+TEST(Graph, AFailedBackendEndsTheFrontendWithAnError) {
+  Graph graph;
+  StatusReporter backend(graph.bus_, "backend");
+  backend.SetState(ProcessState::kReady);
+  StreamReader<KeyframeProposal> keyframes(graph.bus_, kKeyframeChannel, "backend",
+                                           AckPolicy::kOnReceipt);
+  graph.StartFrontend();
+  ASSERT_TRUE(graph.peers_.WaitReady({"frontend", "backend"}, 5s));
+  CameraBeacon camera(graph.bus_, SmallCamera());
+  StreamWriter<ImageMessage> images(graph.bus_, kImageChannel, {"frontend"});
+  for (int i = 0; i < 5; ++i) {
+    ImageFrame frame;
+    frame.frame_seq = i;
+    frame.pixels = cv::Mat(24, 32, CV_8UC1, cv::Scalar(i));
+    ASSERT_TRUE(images.Send(InlineImage(frame)));
+  }
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return keyframes.size() == 2; }, 5s));
+  backend.SetState(ProcessState::kFailed, "no more memory");
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.frontend_done_.load(); }, 5s));
+  EXPECT_THAT(graph.error_, HasSubstr("no more memory"));
+}
+
+}  // namespace
+}  // namespace vpslam::test

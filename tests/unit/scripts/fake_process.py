@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+"""Stands in for player, frontend, backend or recorder, whichever name it is called by.
+
+Each waits for a file that the one upstream leaves in its working directory when it ends. The
+environment variable FAKE_<NAME> makes one misbehave: "fail" (after it printed a line), "hang"
+(ignores SIGTERM and never ends), "early" (ends well, before its turn), "break" (player: ends its
+stream, but fails).
+"""
+
+import os
+import pathlib
+import signal
+import sys
+import time
+
+NAME = os.path.basename(sys.argv[0])
+MISBEHAVIOUR = os.environ.get("FAKE_" + NAME.upper())
+UPSTREAM = {"frontend": "player", "backend": "frontend", "recorder": "backend"}.get(NAME)
+
+
+def option(flag):
+    return sys.argv[sys.argv.index(flag) + 1]
+
+
+stopped = []
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda *_: stopped.append(1))
+print(f"fake {NAME} begins", file=sys.stderr, flush=True)
+
+if NAME == "player":
+    pathlib.Path(f"/dev/shm/vpslam-{option('--session')}").write_text("pixels")
+if MISBEHAVIOUR == "fail":
+    print("cannot read the stars; clean the lens", file=sys.stderr, flush=True)
+    sys.exit(3)
+if MISBEHAVIOUR == "early":
+    sys.exit(0)
+
+end = time.monotonic() + float(os.environ.get("FAKE_SECONDS", "0.3"))
+frame = 0
+while MISBEHAVIOUR == "hang" or not stopped:
+    if NAME == "player" and time.monotonic() > end and MISBEHAVIOUR != "hang":
+        break
+    if UPSTREAM and os.path.exists(UPSTREAM + ".done") and MISBEHAVIOUR != "hang":
+        break
+    if NAME == "recorder":
+        print('{"frame": %d, "fps": 29.5, "state": "tracking", "keyframes": 4, "points": 321, '
+              '"dropped": 0, "processes": {}}' % frame, flush=True)
+        frame += 1
+    time.sleep(0.02)
+
+if NAME == "player":
+    os.unlink(f"/dev/shm/vpslam-{option('--session')}")
+if NAME == "recorder":
+    print(f"ends {'when stopped' if stopped else 'by itself'}", file=sys.stderr)
+    out = pathlib.Path(option("--out"))
+    (out / "trajectory.txt").write_text("0.0 0 0 0 0 0 0 1\n0.1 2 0 0 0 0 0 1\n0.2 2 2 0 0 0 0 1\n")
+    (out / "summary.json").write_text('{"frames": {"in": 4, "tracked": 3, "dropped": 0}}')
+pathlib.Path(NAME + ".done").touch()
+sys.exit(4 if MISBEHAVIOUR == "break" else 0)

@@ -1,0 +1,260 @@
+"""vpslam run with stand-ins for the processes: what starts, what ends, what is left."""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import uuid
+
+SOURCE = pathlib.Path(__file__).resolve().parents[3]
+TOOLS = SOURCE / "scripts" / "vpslam_tools"
+FAKE = pathlib.Path(__file__).resolve().parent / "fake_process.py"
+NAMES = ["player", "frontend", "backend", "recorder"]
+
+
+class LauncherTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="vpslam-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        (self.folder / "bin").mkdir()
+        for name in NAMES:
+            os.symlink(FAKE, self.folder / "bin" / name)
+        (self.folder / "runtime").mkdir(mode=0o700)
+        sequence = self.folder / "room"
+        sequence.mkdir()
+        (sequence / "groundtruth.txt").write_text(
+            "0.0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n0.2 1 1 0 0 0 0 1\n")
+        self.tag = uuid.uuid4().hex
+        self.segments_before = self.segments()
+
+    def start(self, *arguments, patch="", **environment):
+        """`patch`: Python that runs before the command, to shorten its patience."""
+        code = (f"import sys; sys.path.insert(0, {str(TOOLS.parent)!r});\n"
+                f"from vpslam_tools import cli, supervisor\n{patch}\n"
+                "sys.exit(cli.main(sys.argv[1:]))")
+        return subprocess.Popen(
+            ["/usr/bin/python3", "-I", "-c", code, *arguments], cwd=self.folder, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+            env=dict(os.environ, VPSLAM_BIN_DIR=str(self.folder / "bin"), TAG=self.tag,
+                     XDG_RUNTIME_DIR=str(self.folder / "runtime"), **environment))
+
+    def finish(self, process):
+        output, _ = process.communicate(timeout=60)
+        return process.returncode, output
+
+    def registered(self):
+        return list((self.folder / "runtime" / "vpslam").glob("*.json"))
+
+    def wait_until_running(self):
+        """Returns the registered run once all its processes live and have begun."""
+        deadline = time.monotonic() + 20
+        while time.monotonic() < deadline:
+            for path in self.registered():
+                run = json.loads(path.read_text())
+                logs = [pathlib.Path(run["out"], "logs", f"{name}.log") for name in NAMES]
+                if all(log.exists() and "begins" in log.read_text() for log in logs):
+                    return run
+            time.sleep(0.02)
+        self.fail("the processes did not start")
+
+    def left_running(self):
+        found = []
+        for entry in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if self.tag.encode() in (entry / "environ").read_bytes():
+                    found.append((entry / "cmdline").read_bytes().split(b"\0")[:2])
+            except OSError:
+                pass
+        return found
+
+    def segments(self):
+        return set(pathlib.Path("/dev/shm").glob("vpslam-*"))
+
+    def assert_nothing_left(self, patience_s=0.0):
+        deadline = time.monotonic() + patience_s
+        while time.monotonic() < deadline and (self.left_running() or self.registered()):
+            time.sleep(0.05)
+        self.assertEqual(self.left_running(), [])
+        self.assertEqual(self.registered(), [])
+        self.assertEqual({path for path in self.segments() - self.segments_before
+                          if path.owner() == pathlib.Path("/proc/self").owner()}, set())
+
+
+class GoodRun(LauncherTest):
+    def test_whole_sequence(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out", "--seed", "7"))
+        self.assertEqual(status, 0, output)
+        self.assertRegex(output, r"LCM URL  udpm://239\.255\.76\.67:\d+\?ttl=0")
+        self.assertRegex(output, r"frame \d+  29.5 fps  tracking  keyframes 4  points 321")
+        self.assertIn("ATE      0.0000 m", output)
+        self.assertIn("coverage 0.7500", output)
+        self.assertIn(str(self.folder / "out"), output)
+        for name in NAMES:
+            self.assertTrue((self.folder / "out" / "logs" / f"{name}.log").exists())
+        self.assert_nothing_left()
+
+    def test_default_folders_differ_and_ports_too(self):
+        runs = [self.start("run", "room") for _ in range(2)]
+        outputs = [self.finish(run) for run in runs]
+        self.assertEqual([status for status, _ in outputs], [0, 0], outputs)
+        folders = list((self.folder / "results").iterdir())
+        self.assertEqual(len(folders), 2)
+        for folder in folders:
+            self.assertRegex(folder.name, r"^\d{4}-\d\d-\d\d_\d{6}-room(-2)?$")
+        ports = {re.search(r"udpm://[\d.]+:(\d+)", output).group(1) for _, output in outputs}
+        self.assertEqual(len(ports), 2)
+
+    def test_a_run_is_registered_while_it_lasts(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+                             patch="supervisor.INTERRUPT_S = 5")
+        run = self.wait_until_running()
+        self.assertEqual(os.stat(self.registered()[0].parent).st_mode & 0o777, 0o700)
+        self.assertEqual(sorted(run["processes"]), sorted(NAMES))
+        self.assertEqual(run["launcher"]["pid"], process.pid)
+        command = pathlib.Path(f"/proc/{run['processes']['player']['pid']}/cmdline").read_text()
+        self.assertIn(run["url"], command)
+        self.assertIn("--session\0" + run["session"], command)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.finish(process)[0], 0)
+        self.assert_nothing_left()
+
+
+class Interrupted(LauncherTest):
+    def test_ctrl_c_ends_early_with_results(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30")
+        self.wait_until_running()
+        process.send_signal(signal.SIGINT)
+        status, output = self.finish(process)
+        self.assertEqual(status, 0, output)
+        self.assertTrue((self.folder / "out" / "summary.json").exists())
+        self.assert_nothing_left()
+
+    def test_second_ctrl_c_ends_at_once(self):
+        process = self.start("run", "room", "--out", "out", FAKE_PLAYER="hang",
+                             patch="supervisor.TERMINATE_S = 0.5")
+        self.wait_until_running()
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(self.finish(process)[0], 130)
+        self.assert_nothing_left()
+
+    def test_killed_launcher_leaves_nothing(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+                             FAKE_FRONTEND="hang")
+        self.wait_until_running()
+        self.assertNotEqual(self.segments(), self.segments_before)
+        process.kill()
+        self.finish(process)
+        self.assert_nothing_left(patience_s=10)
+
+
+class FailingProcess(LauncherTest):
+    def test_failure_is_told_with_the_log(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out",
+                                                FAKE_FRONTEND="fail", FAKE_SECONDS="30"))
+        self.assertEqual(status, 1)
+        self.assertIn("frontend failed with exit code 3", output)
+        self.assertIn("cannot read the stars; clean the lens", output)
+        self.assertNotIn("player failed", output)
+        self.assertTrue((self.folder / "out" / "summary.json").exists(), "the recorder lives")
+        self.assert_nothing_left()
+
+    def test_killed_process(self):
+        for name in NAMES:
+            with self.subTest(name):
+                process = self.start("run", "room", "--out", "out", FAKE_SECONDS="30")
+                run = self.wait_until_running()
+                os.kill(run["processes"][name]["pid"], signal.SIGKILL)
+                status, output = self.finish(process)
+                self.assertEqual(status, 1)
+                self.assertIn(f"{name} was killed by SIGKILL", output)
+                self.assertEqual((self.folder / "out" / "summary.json").exists(),
+                                 name != "recorder")
+                self.assert_nothing_left()
+                for done in self.folder.glob("*.done"):
+                    done.unlink()
+
+    def test_source_that_breaks_down_is_worked_off(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out",
+                                                FAKE_PLAYER="break"))
+        self.assertEqual(status, 1)
+        self.assertIn("player failed with exit code 4", output)
+        self.assertIn("by itself", (self.folder / "out" / "logs" / "recorder.log").read_text())
+        self.assert_nothing_left()
+
+    def test_process_that_ends_too_early(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out", FAKE_SECONDS="30",
+                                                FAKE_BACKEND="early",
+                                                patch="supervisor.OUT_OF_TURN_S = 0.3"))
+        self.assertEqual(status, 1)
+        self.assertIn("backend ended while player was still running", output)
+        self.assert_nothing_left()
+
+    def test_process_that_never_ends(self):
+        status, output = self.finish(self.start(
+            "run", "room", "--out", "out", FAKE_BACKEND="hang",
+            patch="supervisor.DRAIN_S = 0.5; supervisor.TERMINATE_S = 0.5"))
+        self.assertEqual(status, 1)
+        self.assertIn("backend did not end in time", output)
+        self.assertTrue((self.folder / "out" / "summary.json").exists())
+        self.assert_nothing_left()
+
+    def test_missing_binary(self):
+        (self.folder / "bin" / "backend").unlink()
+        status, output = self.finish(self.start("run", "room", "--out", "out"))
+        self.assertEqual(status, 1)
+        self.assertIn("backend: cannot be started", output)
+        self.assertNotIn("Traceback", output)
+        self.assert_nothing_left()
+
+
+class Leftovers(LauncherTest):
+    def test_next_run_sweeps(self):
+        runtime = self.folder / "runtime" / "vpslam"
+        runtime.mkdir(mode=0o700)
+        session = str(uuid.uuid4().int & (1 << 60) - 1)
+        segment = pathlib.Path(f"/dev/shm/vpslam-{session}")
+        segment.write_text("pixels")
+        # The launcher's id is that of a living process, but not its start: another process now.
+        (runtime / f"{session}.json").write_text(json.dumps(
+            {"session": session, "url": "", "sequence": "", "out": "", "started": "",
+             "launcher": {"pid": os.getpid(), "start": 1},
+             "processes": {"player": {"pid": os.getpid(), "start": 1}}}))
+        (runtime / "rubbish.json").write_text("{")
+        status, output = self.finish(self.start("run", "room", "--out", "out"))
+        self.assertEqual(status, 0, output)
+        self.assertFalse(segment.exists())
+        self.assertEqual([path.name for path in self.registered()], ["rubbish.json"])
+
+
+class BadInput(LauncherTest):
+    def test_one_line(self):
+        (self.folder / "file").write_text("")
+        for arguments, expected in (
+                (["nowhere"], "nowhere: no such folder"),
+                (["room", "--camera", "none.yaml"], "none.yaml: no such file; check --camera"),
+                (["room", "--config", "none.yaml"], "none.yaml: no such file; check --config"),
+                (["room", "--set", "orb.levels=3"], "--set orb.levels=3: write it as"),
+                (["room", "--out", "file"], "file: cannot be made")):
+            with self.subTest(arguments):
+                status, output = self.finish(self.start("run", *arguments))
+                self.assertEqual(status, 1)
+                self.assertIn(expected, output)
+                self.assertEqual(output.count("\n"), 1, output)
+        for arguments in (["room", "--frames", "0"], ["room", "--seed", "x"], ["room", "--pase"]):
+            with self.subTest(arguments):
+                self.assertEqual(self.finish(self.start("run", *arguments))[0], 2)
+        self.assert_nothing_left()
+
+
+if __name__ == "__main__":
+    unittest.main()

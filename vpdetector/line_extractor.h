@@ -1,0 +1,34 @@
+// From an image to undistorted segments: detector, sub-pixel fit, merging, selection.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "core/geometry/camera.h"
+#include "vpdetector/edge_fit.h"
+#include "vpdetector/line_detector.h"
+
+namespace vpslam {
+
+struct LineExtractorOptions {
+  LineDetectorOptions detector;
+  EdgeFitOptions fit;
+  /// Segments that are shorter after merging are dropped.
+  double min_length_px = 20.0;
+  /// Fragments that stay this close to one side of the image are the frame of it (a black border,
+  /// the end of a blur), not of the world.
+  double border_px = 4.0;
+  /// Only as many segments are kept, the longest: a bound for time and message size.
+  int max_lines = 500;
+
+  std::optional<std::string> Validate() const;
+};
+
+/// Longest first. `gray` is CV_8UC1.
+std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
+                                      const LineExtractorOptions& options);
+
+}  // namespace vpslam
