@@ -90,7 +90,7 @@ double NoiseSigma(const cv::Mat& grey, const cv::Mat1f& gradient, double median_
       magnitudes.push_back(std::abs(response(y, x)));
     }
   }
-  // Median of |N(0, 36 sigma^2)|. The responses are integers, so the mean would not do much better.
+  // Mean of |N(0, 36 sigma^2)|.
   return Mean(magnitudes) * std::sqrt(std::numbers::pi / 2) / 6;
 }
 
