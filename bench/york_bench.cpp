@@ -220,7 +220,11 @@ int main(int argc, char** argv) {
   app.add_option("--out", out, "folder for directions*.txt and york.md; made if missing")
       ->required();
   app.add_flag("--annotated", annotated, "run the methods on the annotated segments, too");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
   cv::setNumThreads(1);
   try {
     Run(data, out, annotated);

@@ -44,8 +44,8 @@ struct RawSegment {
   double Length() const { return (end_px - start_px).norm(); }
 };
 
-/// `image` is CV_8UC1. Images under 8 px a side hold no segment. The result depends on the image and
-/// the options alone.
+/// `image` is CV_8UC1. Images under 8 px a side hold no segment. The result depends on the image
+/// and the options alone.
 std::vector<RawSegment> DetectSegments(const cv::Mat& image, const LineDetectorOptions& options);
 
 }  // namespace vpslam

@@ -22,6 +22,7 @@ std::optional<std::string> LineExtractorOptions::Validate() const {
   if (const auto why = fit.Validate()) return why;
   if (!(min_length_px >= 0)) return "min_length_px must not be negative";
   if (!(border_px >= 0)) return "border_px must not be negative";
+  if (!(max_extent >= 1 && max_extent <= 50)) return "max_extent must lie in 1 to 50";
   if (max_lines < 0) return "max_lines must not be negative";
   return std::nullopt;
 }
@@ -31,10 +32,15 @@ std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
   std::vector<RawSegment> raw = DetectSegments(gray, options.detector);
   std::erase_if(raw,
                 [&](const RawSegment& s) { return FollowsBorder(s, gray, options.border_px); });
+  const double limit_px = options.max_extent * std::max(gray.cols, gray.rows);
+  const auto is_near = [&](const Eigen::Vector2d& x) {
+    return x.cwiseAbs().maxCoeff() <= limit_px;
+  };
   std::vector<EdgeSegment> segments;
   segments.reserve(raw.size());
   for (const RawSegment& fragment : raw) {
-    if (const auto segment = FitSegment(gray, camera, fragment, options.fit)) {
+    const auto segment = FitSegment(gray, camera, fragment, options.fit);
+    if (segment && is_near(segment->start_px) && is_near(segment->end_px)) {
       segments.push_back(*segment);
     }
   }

@@ -21,6 +21,9 @@ struct LineExtractorOptions {
   /// Fragments that stay this close to one side of the image are the frame of it (a black border,
   /// the end of a blur), not of the world.
   double border_px = 4.0;
+  /// Segments that reach further out than this many widths and heights of the image are dropped:
+  /// only a distortion model that is stretched beyond its range puts them there.
+  double max_extent = 10.0;
   /// Only as many segments are kept, the longest: a bound for time and message size.
   int max_lines = 500;
 

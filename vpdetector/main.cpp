@@ -26,7 +26,11 @@ int main(int argc, char** argv) {
   app.add_option("--vp,--method", method, "how vanishing points are found")
       ->check(CLI::IsMember({"three_line", "two_line_grid", "two_line_grid_raw"}))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
   options.detector.lines.detector.kind = *LineDetectorKindFromName(lines);
   options.detector.vps.method = *VpMethodFromName(method);
   cv::setNumThreads(1);

@@ -21,8 +21,8 @@ struct NormalEquations {
   double lines = 0;    ///< sum of weights
   double squares = 0;  ///< weighted sum of squared normalised residuals
 
-  /// `trust` in 0 to 1 is the robust weight. It counts for the step and the information that is left,
-  /// not for how well the lines fit.
+  /// `trust` in 0 to 1 is the robust weight. It counts for the step and the information that is
+  /// left, not for how well the lines fit.
   void Add(const VpLine& line, const Eigen::Vector3d& d, double trust, double variance) {
     const Eigen::Vector3d jacobian = ResidualJacobian(line.normal, d);
     const double residual = line.normal.dot(d);

@@ -93,6 +93,7 @@ line_set_t CopyLineSet(const LineSet& from, std::vector<line_segment_t>* lines,
     line_segment_t wire;
     for (int i = 0; i < 2; ++i) wire.start_px[i] = line.start_px[i];
     for (int i = 0; i < 2; ++i) wire.end_px[i] = line.end_px[i];
+    wire.sigma_px = line.sigma_px;
     wire.has_descriptor = line.has_descriptor;
     wire.descriptor = ToWireDescriptor(line.descriptor);
     wire.label = line.label;
@@ -125,6 +126,7 @@ LineSet ReadLineSet(const line_set_t& set, const std::vector<line_segment_t>& li
     LineSegment line;
     line.start_px = {wire.start_px[0], wire.start_px[1]};
     line.end_px = {wire.end_px[0], wire.end_px[1]};
+    line.sigma_px = wire.sigma_px;
     line.has_descriptor = wire.has_descriptor != 0;
     line.descriptor = FromWireDescriptor(wire.descriptor);
     line.label = wire.label;

@@ -172,6 +172,8 @@ Fault Validate(const LineSet& set) {
     const LineSegment& line = set.lines[i];
     check.Require(AllInRange(line.start_px, kMaxPixel) && AllInRange(line.end_px, kMaxPixel),
                   "line", i, "end point out of range");
+    check.Require(line.sigma_px >= 0 && line.sigma_px <= kMaxPixel, "line", i,
+                  "sigma out of range");
     check.Require(line.label >= -1 && line.label < num_vps, "line", i, "label out of range");
   }
   for (std::size_t i = 0; i < set.vanishing_points.size() && !check.fault(); ++i) {

@@ -29,7 +29,8 @@ inline cv::Mat RenderQuads(const Camera& camera, const std::vector<Quad>& quads,
   std::normal_distribution<double> normal(0, 1);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const Eigen::Vector2d p = camera.Undistort(Eigen::Vector2d(x, y)).value_or(Eigen::Vector2d(0, 0));
+      const Eigen::Vector2d p =
+          camera.Undistort(Eigen::Vector2d(x, y)).value_or(Eigen::Vector2d(0, 0));
       double value = background;
       for (const Quad& quad : quads) {
         double inside = 1e9;  // signed distance to the border

@@ -49,8 +49,8 @@ inline bool Same(const FrameFeatures& a, const FrameFeatures& b) {
   return a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us && Same(a.features, b.features);
 }
 inline bool Same(const LineSegment& a, const LineSegment& b) {
-  return a.start_px == b.start_px && a.end_px == b.end_px && a.descriptor == b.descriptor &&
-         a.has_descriptor == b.has_descriptor && a.label == b.label;
+  return a.start_px == b.start_px && a.end_px == b.end_px && a.sigma_px == b.sigma_px &&
+         a.descriptor == b.descriptor && a.has_descriptor == b.has_descriptor && a.label == b.label;
 }
 inline bool Same(const VanishingPoint& a, const VanishingPoint& b) {
   return a.direction_in_cam == b.direction_in_cam && a.covariance_rad2 == b.covariance_rad2 &&

@@ -105,6 +105,7 @@ class RandomMessages {
       LineSegment line;
       line.start_px = {static_cast<float>(Real(0, 640)), static_cast<float>(Real(0, 480))};
       line.end_px = {static_cast<float>(Real(0, 640)), static_cast<float>(Real(0, 480))};
+      line.sigma_px = static_cast<float>(Real(0, 2));
       line.descriptor = Bits();
       line.has_descriptor = Bool();
       line.label = Int(-1, num_vps - 1);
