@@ -14,7 +14,7 @@ struct LocalBaOptions {
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
   int min_shared_points = 15;    ///< with the new keyframe, to be moved
   int max_iterations = 10;
-  int rounds = 1;               ///< of adjustment and removal of outliers
+  int rounds = 1;                    ///< of adjustment and removal of outliers
   int max_iterations_to_start = 30;  ///< for the two views of a new map
   double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
 
@@ -37,7 +37,7 @@ struct PointCreatorOptions {
   double max_parallax_cosine = 0.9998;   ///< 1.15 degrees: less says nothing about depth
   double max_parallax_rad = 0.5;         ///< between the rays: descriptors do not stand more
   double max_scale_mismatch = 1.8;       ///< ratio of distances against ratio of octaves
-  int max_distance = 50;                ///< Hamming
+  int max_distance = 70;                 ///< Hamming
   double ratio = 0.9;                    ///< of descriptor distances, best to best elsewhere
   double min_depth_share = 0.3;          ///< of the depth that 95 % of the points exceed
 
@@ -59,7 +59,7 @@ struct PointFuserOptions {
   int neighbours = 20;
   int second_neighbours = 5;  ///< of each neighbour
   double radius_px = 3.0;     ///< x scale of the octave
-  int max_distance = 50;      ///< Hamming
+  int max_distance = 70;      ///< Hamming
 
   template <class V>
   void Visit(V& v) {

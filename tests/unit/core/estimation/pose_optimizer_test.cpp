@@ -1,0 +1,107 @@
+#include "core/estimation/pose_optimizer.h"
+
+#include <random>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+namespace vpslam {
+namespace {
+
+struct Scene {
+  Camera camera;
+  SE3 cam_from_world;
+  std::vector<PointMeasurement> measurements;
+  std::vector<uint8_t> is_outlier;
+};
+
+Scene MakeScene(std::mt19937& rng, int num_points, double sigma_px, double outlier_share,
+                bool planar) {
+  Scene scene;
+  scene.camera.width = 640;
+  scene.camera.height = 480;
+  scene.camera.fx = scene.camera.fy = 500;
+  scene.camera.cx = 320;
+  scene.camera.cy = 240;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal(0, sigma_px);
+  scene.cam_from_world = SE3(ExpSo3({0.2 * uniform(rng), 0.2 * uniform(rng), 0.2 * uniform(rng)}),
+                             Eigen::Vector3d(uniform(rng), uniform(rng), uniform(rng)));
+  for (int i = 0; i < num_points; ++i) {
+    const double depth = planar ? 3.0 : 3.0 + 1.5 * uniform(rng);
+    const Eigen::Vector2d px(320 + 300 * uniform(rng), 240 + 220 * uniform(rng));
+    PointMeasurement m;
+    m.point_in_world = scene.cam_from_world.Inverse() * (depth * scene.camera.Unproject(px));
+    m.px = px + Eigen::Vector2d(normal(rng), normal(rng));
+    m.inv_sigma2 = 1.0 / (sigma_px * sigma_px);
+    const bool outlier = i < outlier_share * num_points;
+    if (outlier) m.px = {320 + 300 * uniform(rng), 240 + 220 * uniform(rng)};
+    scene.measurements.push_back(m);
+    scene.is_outlier.push_back(outlier);
+  }
+  return scene;
+}
+
+Vector6d Perturbation(std::mt19937& rng, double metres, double radians) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Vector6d xi;
+  for (int k = 0; k < 6; ++k) xi[k] = uniform(rng) * (k < 3 ? metres : radians);
+  return xi;
+}
+
+TEST(PoseOptimizer, ErrorsAgreeWithTheCovariance) {
+  std::mt19937 rng(1);
+  for (const bool planar : {false, true}) {
+    double sum = 0;
+    constexpr int kTrials = 200;
+    for (int i = 0; i < kTrials; ++i) {
+      const Scene scene = MakeScene(rng, 100, 1.0, 0.0, planar);
+      const PoseEstimate estimate =
+          OptimizePose(scene.camera, scene.measurements,
+                       Retract(scene.cam_from_world, Perturbation(rng, 0.1, 0.05)), {});
+      const Vector6d e = LocalCoordinates(estimate.cam_from_world, scene.cam_from_world);
+      sum += e.dot(estimate.covariance.ldlt().solve(e));
+    }
+    // Mean of chi-square with six degrees of freedom; the gate at 95 % bends it slightly.
+    EXPECT_NEAR(sum / kTrials, 6.0, 1.5) << (planar ? "plane" : "volume");
+  }
+}
+
+TEST(PoseOptimizer, FindsThePoseAmongOutliers) {
+  std::mt19937 rng(2);
+  for (int i = 0; i < 50; ++i) {
+    const Scene scene = MakeScene(rng, 150, 1.0, 0.3, false);
+    const PoseEstimate estimate =
+        OptimizePose(scene.camera, scene.measurements,
+                     Retract(scene.cam_from_world, Perturbation(rng, 0.05, 0.02)), {});
+    const Vector6d e = LocalCoordinates(estimate.cam_from_world, scene.cam_from_world);
+    EXPECT_LT(e.head<3>().norm(), 0.03);
+    EXPECT_LT(e.tail<3>().norm(), 0.01);
+    int wrong = 0;
+    for (size_t k = 0; k < scene.measurements.size(); ++k) {
+      wrong += scene.is_outlier[k] && estimate.inliers[k];
+    }
+    EXPECT_LE(wrong, 2);
+  }
+}
+
+TEST(PoseOptimizer, TooFewMeasurementsChangeNothing) {
+  std::mt19937 rng(3);
+  const Scene scene = MakeScene(rng, 2, 1.0, 0.0, false);
+  const PoseEstimate estimate = OptimizePose(scene.camera, scene.measurements, SE3(), {});
+  EXPECT_EQ(estimate.num_inliers, 0);
+  EXPECT_EQ(estimate.cam_from_world.translation, Eigen::Vector3d::Zero());
+}
+
+TEST(PoseOptimizer, PointsBehindTheCameraAreNoInliers) {
+  std::mt19937 rng(4);
+  Scene scene = MakeScene(rng, 50, 1.0, 0.0, false);
+  scene.measurements[0].point_in_world = scene.cam_from_world.Inverse() * Eigen::Vector3d(0, 0, -2);
+  const PoseEstimate estimate =
+      OptimizePose(scene.camera, scene.measurements, scene.cam_from_world, {});
+  EXPECT_FALSE(estimate.inliers[0]);
+  EXPECT_GT(estimate.num_inliers, 40);
+}
+
+}  // namespace
+}  // namespace vpslam

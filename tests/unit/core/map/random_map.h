@@ -1,0 +1,56 @@
+// A map that grows and shrinks at random, with seed, for tests.
+#pragma once
+
+#include <random>
+
+#include "core/map/map.h"
+
+namespace vpslam {
+
+class RandomMap {
+ public:
+  explicit RandomMap(uint32_t seed) : rng_(seed) {}
+
+  Map map;
+
+  /// One keyframe more, with new points, and some that are fused, erased or moved.
+  void Step() {
+    Keyframe keyframe;
+    keyframe.id = KeyframeId(next_++);
+    keyframe.map = MapId(0);
+    keyframe.frame_seq = 10 * keyframe.id.value;
+    keyframe.parent = keyframe.id.value > 0 ? KeyframeId(keyframe.id.value - 1) : KeyframeId();
+    keyframe.parent = map.LivingAncestor(keyframe.parent);
+    keyframe.cam_from_world = SE3(ExpSo3(Vector()), Vector());
+    keyframe.points.resize(kFeatures);
+    for (PointId& point : keyframe.points) {
+      if (map.point_end() > 0 && Below(2) == 0) point = PointId(Below(map.point_end()));
+    }
+    map.Insert(keyframe);
+    for (int i = 0; i < kFeatures; ++i) {
+      if (map.Find(keyframe.id)->points[i].IsValid()) continue;
+      const PointId point = map.CreatePoint(MapId(0), keyframe.id, Vector());
+      map.Observe(keyframe.id, i, point);
+    }
+    for (int i = 0; i < 4; ++i) {
+      const PointId a(Below(map.point_end())), b(Below(map.point_end()));
+      if (map.Find(a) && map.Find(b)) map.Fuse(a, b);
+      const PointId c(Below(map.point_end()));
+      if (map.Find(c)) map.SetPosition(c, Vector());
+    }
+    if (keyframe.id.value > 3 && Below(3) == 0) map.Cull(KeyframeId(1 + Below(next_ - 1)));
+  }
+
+ private:
+  static constexpr int kFeatures = 30;
+  int Below(int n) { return static_cast<int>(rng_() % static_cast<uint32_t>(n)); }
+  Eigen::Vector3d Vector() {
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    return {uniform(rng_), uniform(rng_), uniform(rng_)};
+  }
+
+  std::mt19937 rng_;
+  int32_t next_ = 0;
+};
+
+}  // namespace vpslam
