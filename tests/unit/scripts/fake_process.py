@@ -26,10 +26,15 @@ stopped = []
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda *_: stopped.append(1))
 print(f"fake {NAME} begins", file=sys.stderr, flush=True)
+pathlib.Path(NAME + ".began").touch()
 
 if NAME == "player":
     pathlib.Path(f"/dev/shm/vpslam-{option('--session')}").write_text("pixels")
 if MISBEHAVIOUR == "fail":
+    # Not before the recorder can be told to end, however slowly that starts.
+    patience = time.monotonic() + 20
+    while not os.path.exists("recorder.began") and time.monotonic() < patience:
+        time.sleep(0.02)
     print("cannot read the stars; clean the lens", file=sys.stderr, flush=True)
     sys.exit(3)
 if MISBEHAVIOUR == "early":

@@ -128,8 +128,8 @@ TEST(MatchForTriangulation, LookAlikesOnTheLineAreNoMatchAndElsewhereDoNotHarm) 
     s.second.descriptors.push_back(s.second.descriptors[i]);
     s.all.push_back(static_cast<int32_t>(s.all.size()));
   };
-  duplicate(7, 40, 0);
-  duplicate(8, 40, 15);
+  duplicate(7, -40, 0);
+  duplicate(8, -40, 15);
   std::vector<int32_t> first_all(500);
   std::iota(first_all.begin(), first_all.end(), 0);
   std::map<int, int> second_of;
@@ -141,9 +141,25 @@ TEST(MatchForTriangulation, LookAlikesOnTheLineAreNoMatchAndElsewhereDoNotHarm) 
   EXPECT_EQ(second_of.at(8), 8);
 }
 
+TEST(MatchForTriangulation, WhatImpliesAnImpossibleDepthIsNoRival) {
+  Scene s = MakeScene(SE3(Eigen::Quaterniond::Identity(), {-0.5, 0, 0}), 0.0, 5);
+  for (Keypoint& k : s.second.keypoints) k.octave = 0;
+  // The camera moved to the right, so everything moves to the left: what did not is behind it.
+  s.second.keypoints.push_back(s.second.keypoints[7]);
+  s.second.keypoints.back().x_px = s.first.keypoints[7].x_px + 20;
+  s.second.descriptors.push_back(s.second.descriptors[7]);
+  s.all.push_back(static_cast<int32_t>(s.all.size()));
+  std::vector<int32_t> first_all(500);
+  std::iota(first_all.begin(), first_all.end(), 0);
+  const auto matches = MatchForTriangulation(s.first, first_all, s.second, s.all,
+                                             s.second_from_first, s.camera, s.scales);
+  EXPECT_TRUE(std::find(matches.begin(), matches.end(), Match{7, 7}) != matches.end());
+}
+
 TEST(MatchForTriangulation, OneToOne) {
   Scene s = MakeScene(SE3(Eigen::Quaterniond::Identity(), {-0.5, 0, 0}), 0.0, 6);
   // Two first features on one line that look like the same second one: the nearer gets it.
+  s.first.keypoints[1].x_px = s.first.keypoints[0].x_px + 5;
   s.first.keypoints[1].y_px = s.first.keypoints[0].y_px;
   s.first.descriptors[1] = s.second.descriptors[0];
   const std::vector<Match> matches = MatchAll(s);
