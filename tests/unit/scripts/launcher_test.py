@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
@@ -33,13 +34,15 @@ class LauncherTest(unittest.TestCase):
         (sequence / "groundtruth.txt").write_text(
             "0.0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n0.2 1 1 0 0 0 0 1\n")
         self.tag = uuid.uuid4().hex
-        self.segments_before = self.segments()
+        self.sessions = []  # of the runs that this test starts
 
     def start(self, *arguments, patch="", **environment):
         """`patch`: Python that runs before the command, to shorten its patience."""
         code = (f"import sys; sys.path.insert(0, {str(TOOLS.parent)!r});\n"
                 f"from vpslam_tools import cli, supervisor\n{patch}\n"
                 "sys.exit(cli.main(sys.argv[1:]))")
+        self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
+        arguments += ("--session", str(self.sessions[-1]))
         return subprocess.Popen(
             ["/usr/bin/python3", "-I", "-c", code, *arguments], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -77,7 +80,9 @@ class LauncherTest(unittest.TestCase):
         return found
 
     def segments(self):
-        return set(pathlib.Path("/dev/shm").glob("vpslam-*"))
+        """Of this test alone: other tests run at the same time."""
+        paths = [pathlib.Path(f"/dev/shm/vpslam-{session}") for session in self.sessions]
+        return [path for path in paths if path.exists()]
 
     def assert_nothing_left(self, patience_s=0.0):
         """`patience_s`: for what ends only after the launcher."""
@@ -86,8 +91,7 @@ class LauncherTest(unittest.TestCase):
             time.sleep(0.05)
         self.assertEqual(self.left_running(), [])
         self.assertEqual(self.registered(), [])
-        self.assertEqual({path for path in self.segments() - self.segments_before
-                          if path.owner() == pathlib.Path("/proc/self").owner()}, set())
+        self.assertEqual(self.segments(), [])
 
 
 class GoodRun(LauncherTest):
@@ -154,7 +158,7 @@ class Interrupted(LauncherTest):
         process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
                              FAKE_FRONTEND="hang")
         self.wait_until_running()
-        self.assertNotEqual(self.segments(), self.segments_before)
+        self.assertNotEqual(self.segments(), [])
         process.kill()
         self.finish(process)
         self.assert_nothing_left(patience_s=PATIENCE_S)
