@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 
 namespace vpslam {
 
