@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <unistd.h>
@@ -79,7 +80,7 @@ TEST_F(DecodeImage, NoticesTruncatedFiles) {
       const std::string path = Write(name, noise_);
       Truncate(path, fraction);
       const DecodedImage image = DecodeGrey(path);
-      EXPECT_EQ(image.fault, "is truncated") << name << " " << fraction;
+      EXPECT_THAT(image.fault, ::testing::StartsWith("is truncated")) << name << " " << fraction;
       EXPECT_TRUE(image.grey.empty());
     }
   }
