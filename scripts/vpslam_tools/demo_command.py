@@ -71,6 +71,6 @@ def conclude(scene, out):
         "  scripts/vpslam run VIDEO --camera FILE.yaml      a video",
         "  scripts/vpslam run camera:0 --camera FILE.yaml   your own camera, until Ctrl-C",
         "  scripts/vpslam demo --scene sim:corridor         bare walls: hard for points",
-        "  lcm-spy --lcm-url=URL                            looks into a running graph; `run` "
-        "prints its URL",
-        "docs/operating.md says how to write the calibration FILE.yaml, and much else."])
+        "  lcm-spy                                          looks into a running graph, whose URL",
+        "                                                   `run` prints",
+        "docs/operating.md says how: the calibration FILE.yaml, lcm-spy, and much else."])
