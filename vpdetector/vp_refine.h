@@ -30,8 +30,8 @@ struct VpModel {
   /// Share of the lines that are expected to belong to one given axis.
   double inlier_ratio = 0.25;
   /// Covariances are scaled by how well the image's own lines fit,
-  /// s^2 = (sum of r^2 + n0) / (n + n0 - 3): some places are built more exactly than others. n0 is how many lines' worth of belief in
-  /// the sigmas above there is to begin with.
+  /// s^2 = (sum of r^2 + n0) / (n + n0 - 3): some places are built more exactly than others. n0 is
+  /// how many lines' worth of belief in the sigmas above there is to begin with.
   double prior_lines = 1.0;
 
   double WorldVariance() const;

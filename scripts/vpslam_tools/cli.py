@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from vpslam_tools import evaluate_command, install_build, run_command
+from vpslam_tools import bench_command, evaluate_command, install_build, run_command
 from vpslam_tools.errors import UserError
 
 
@@ -14,6 +14,7 @@ def build_parser():
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     run_command.add_parser(commands)
     evaluate_command.add_parser(commands)
+    bench_command.add_parser(commands)
     install_build.add_parsers(commands)
     return parser
 
