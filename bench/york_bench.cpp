@@ -14,8 +14,8 @@
 
 #include "bench/vp_metrics.h"
 #include "bench/york_folder.h"
+#include "core/base/cpu_stopwatch.h"
 #include "core/base/decode_image.h"
-#include "core/base/stopwatch.h"
 #include "vpdetector/line_descriptor.h"
 #include "vpdetector/line_extractor.h"
 #include "vpdetector/vp_estimator.h"
@@ -59,9 +59,9 @@ std::string Format(const Row& row) {
       Milliseconds(row.lines_ms), Milliseconds(row.descriptors_ms), Milliseconds(row.vps_ms));
 }
 
+/// A line per image: name and three directions x y z each, in camera axes.
 void WriteDirections(const fs::path& file, const YorkFolder& york, const Row& row) {
   std::ofstream out(file);
-  out << "# name and three directions x y z each, camera axes x right, y down, z forward\n";
   for (size_t i = 0; i < york.images.size(); ++i) {
     out << york.images[i].name;
     for (int k = 0; k < 3; ++k) {
@@ -147,7 +147,7 @@ void Run(const std::string& data, const std::string& out_folder, bool annotated)
       options.method = method;
       for (size_t i = 0; i < york.images.size(); ++i) {
         const std::vector<EdgeSegment> segments = ToSegments(york.images[i].segments);
-        Stopwatch watch;
+        CpuStopwatch watch;
         const VpEstimate vps = EstimateVanishingPoints(segments, york.camera, options);
         row.vps_ms.push_back(watch.Lap_ms());
         add(row, i, vps.cam_from_manhattan);
@@ -165,7 +165,7 @@ void Run(const std::string& data, const std::string& out_folder, bool annotated)
       of_detector.push_back({Name(kind), Name(method), {}, {}, {}, {}, {}, {}});
     }
     for (size_t i = 0; i < york.images.size(); ++i) {
-      Stopwatch watch;
+      CpuStopwatch watch;
       const std::vector<EdgeSegment> segments = ExtractLines(pixels[i], york.camera, line_options);
       const double lines_ms = watch.Lap_ms();
       DescribeLines(pixels[i], york.camera, segments, LineDescriptorOptions());
@@ -193,7 +193,7 @@ void Run(const std::string& data, const std::string& out_folder, bool annotated)
   }
 
   std::string table = fmt::format(
-      "{} images. Errors in degrees; times are medians in ms on one thread.\n\n"
+      "{} images. Errors in degrees; times are medians in ms of CPU on one thread.\n\n"
       "| lines | method | AA@3/5/10 | mean VP error (capped at 10) | median rotation error | "
       "images over 5 (%) | to annotation: mean VP / median rotation | lines | descriptors | VPs "
       "|\n|---|---|---|---|---|---|---|---|---|---|\n",

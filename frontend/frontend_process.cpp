@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
+#include "core/base/stopwatch.h"
 #include "core/transport/channels.h"
 #include "core/transport/clock.h"
 
@@ -31,7 +33,8 @@ double ElapsedMs(int64_t since_us) {
 }  // namespace
 
 FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
-                                 const std::vector<std::string>& required, MakeTracker make_tracker)
+                                 const std::vector<std::string>& required, MakeTracker make_tracker,
+                                 const std::optional<LineSourceOptions>& lines)
     : bus_(bus),
       peers_(peers),
       status_(status),
@@ -39,6 +42,7 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
       make_tracker_(std::move(make_tracker)),
       camera_(bus),
       images_(bus, kImageChannel, kName, AckPolicy::kWhenDone),
+      lines_(lines ? std::make_unique<LineSource>(bus, peers, *lines) : nullptr),
       deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
       poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required), Window(64)),
       keyframes_(bus, kKeyframeChannel, RequiredConsumers(kKeyframeConsumers, required), Window(2)),
@@ -73,12 +77,30 @@ bool FrontendProcess::Process(const Images::Item& item) {
     return true;
   }
   const double transport_ms = ElapsedMs(image->published_us);
-  Tracker::Output output = tracker_->track(*image);
+  if (item.restarted && lines_) lines_->Restart();
+  std::optional<LineSet> lines;
+  double wait_for_lines_ms = kNotRun;
+  const GetLines get_lines = [&]() -> const LineSet* {
+    if (lines_ && !std::isfinite(wait_for_lines_ms)) {
+      Stopwatch watch;
+      lines = lines_->WaitFor(*image);
+      wait_for_lines_ms = watch.Lap_ms();
+    }
+    return lines ? &*lines : nullptr;
+  };
+  Tracker::Output output = tracker_->track(*image, get_lines);
+  get_lines();  // not before they are there is a detector done with the image's slot
+  if (bus_.interrupted()) return false;
   for (FramePose& pose : output.poses) {
     if (!pose.live || pose.frame_seq != image->frame_seq) continue;
     pose.image_published_us = image->published_us;
     pose.times.decode_ms = image->decode_ms;
     pose.times.transport_ms = transport_ms;
+    pose.times.wait_for_lines_ms = wait_for_lines_ms;
+    if (lines) {
+      pose.times.lines_ms = lines->lines_ms + lines->descriptors_ms;
+      pose.times.vps_ms = lines->vps_ms;
+    }
     pose.times.total_ms = ElapsedMs(image->published_us);
   }
   if (!SendPoses(output.poses)) return false;

@@ -8,12 +8,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
+#include "core/messages/line_set.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"
 #include "core/transport/camera_link.h"
@@ -24,13 +26,19 @@
 #include "core/transport/status_reporter.h"
 #include "core/transport/stream_reader.h"
 #include "core/transport/stream_writer.h"
+#include "frontend/line_source.h"
 #include "frontend/tracker.h"
 
 namespace vpslam {
 
+/// The lines of the image at hand; the first call waits for them, so that a tracker which has other
+/// things to do calls late. nullptr where there are none: no detectors, too late (in realtime), or
+/// the process is about to stop. They last as long as the call to `track`.
+using GetLines = std::function<const LineSet*()>;
+
 /// What the loop needs of a tracker; see frontend/tracker.h for what each does.
 struct TrackerCalls {
-  std::function<Tracker::Output(const ImageFrame&)> track;
+  std::function<Tracker::Output(const ImageFrame&, const GetLines&)> track;
   std::function<bool(const MapDelta&)> apply;
   std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
@@ -41,9 +49,11 @@ using MakeTracker = std::function<TrackerCalls(const Camera&)>;
 
 class FrontendProcess {
  public:
-  /// Subscribes. `required` names the processes that acknowledge POSE and KEYFRAME.
+  /// Subscribes. `required` names the processes that acknowledge POSE and KEYFRAME. `lines` says
+  /// how images wait for lines; without it no detector is asked.
   FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
-                  const std::vector<std::string>& required, MakeTracker make_tracker);
+                  const std::vector<std::string>& required, MakeTracker make_tracker,
+                  const std::optional<LineSourceOptions>& lines = std::nullopt);
 
   /// Until the stream of images has ended and everything is acknowledged, or the bus is
   /// interrupted. Throws PeerGoneError.
@@ -72,6 +82,7 @@ class FrontendProcess {
   CameraReceiver camera_;
   Images images_;
   ImageFetcher fetcher_;
+  std::unique_ptr<LineSource> lines_;  ///< none without detectors
   StreamReader<MapDelta> deltas_;
   StreamWriter<FramePose> poses_;
   StreamWriter<KeyframeProposal> keyframes_;

@@ -1,6 +1,8 @@
 // The frontend: tracks each image in a replica of the map and proposes keyframes.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,13 +36,20 @@ int main(int argc, char** argv) {
     std::unique_ptr<Tracker> tracker;
     const auto make_tracker = [&](const Camera& camera) {
       tracker = std::make_unique<Tracker>(camera, settings, seed);
-      return TrackerCalls{[&](const ImageFrame& image) { return tracker->Track(image); },
+      return TrackerCalls{[&](const ImageFrame& image, const GetLines&) {
+                            return tracker->Track(image);  // does without lines so far
+                          },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },
                           [&] { return tracker->map_version(); }};
     };
+    std::optional<LineSourceOptions> lines;
+    if (std::find(options.required.begin(), options.required.end(), LineSource::kDetector) !=
+        options.required.end()) {
+      lines = LineSourceOptions::ForPace(options.pace);
+    }
     FrontendProcess frontend(process.bus, process.peers, process.status, options.required,
-                             make_tracker);
+                             make_tracker, lines);
     frontend.Run();
     return kExitOk;
   });

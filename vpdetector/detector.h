@@ -20,6 +20,12 @@ struct DetectorOptions {
   LineDescriptorOptions descriptors;
   VpOptions vps;
 
+  template <class V>
+  void Visit(V& v) {
+    v("lines", lines);
+    v("descriptors", descriptors);
+    v("vps", vps);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -73,6 +73,17 @@ struct EdgeFitOptions {
   /// ... and whose gap is at most this, and at most half the longer one.
   double merge_gap_px = 15.0;
 
+  template <class V>
+  void Visit(V& v) {
+    v("max_points", max_points);
+    v("min_difference", min_difference);
+    v("max_residual_px", max_residual_px);
+    v("min_points", min_points);
+    v("correlation_length_px", correlation_length_px);
+    v("min_sigma_px", min_sigma_px);
+    v("merge_distance_px", merge_distance_px);
+    v("merge_gap_px", merge_gap_px);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -32,6 +32,12 @@ struct LineDescriptorOptions {
   int max_lines = 150;
   int max_samples = 32;
 
+  template <class V>
+  void Visit(V& v) {
+    v("min_length_px", min_length_px);
+    v("max_lines", max_lines);
+    v("max_samples", max_samples);
+  }
   std::optional<std::string> Validate() const;
 };
 

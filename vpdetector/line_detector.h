@@ -33,6 +33,15 @@ struct LineDetectorOptions {
   double fld_canny_low = 50.0;
   double fld_canny_high = 50.0;
 
+  template <class V>
+  void Visit(V& v) {
+    v("kind", kind);
+    v("min_length_px", min_length_px);
+    v("lsd_scale", lsd_scale);
+    v("edlines_gradient", edlines_gradient);
+    v("fld_canny_low", fld_canny_low);
+    v("fld_canny_high", fld_canny_high);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -27,6 +27,15 @@ struct LineExtractorOptions {
   /// Only as many segments are kept, the longest: a bound for time and message size.
   int max_lines = 500;
 
+  template <class V>
+  void Visit(V& v) {
+    v("detector", detector);
+    v("fit", fit);
+    v("min_length_px", min_length_px);
+    v("border_px", border_px);
+    v("max_extent", max_extent);
+    v("max_lines", max_lines);
+  }
   std::optional<std::string> Validate() const;
 };
 

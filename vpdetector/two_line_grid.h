@@ -40,6 +40,13 @@ struct TwoLineGridOptions {
   int max_lines = 400;
   uint64_t seed = 1;
 
+  template <class V>
+  void Visit(V& v) {
+    v("num_first_directions", num_first_directions);
+    v("label_deg", label_deg);
+    v("max_lines", max_lines);
+    v("seed", seed);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -51,6 +51,20 @@ struct VpOptions {
   /// its gate.
   double min_separation_deg = 10.0;
 
+  template <class V>
+  void Visit(V& v) {
+    v("method", method);
+    v("model", model);
+    v("ransac", ransac);
+    v("grid", grid);
+    v("min_length_px", min_length_px);
+    v("same_line_px", same_line_px);
+    v("min_support", min_support);
+    v("max_false_alarms", max_false_alarms);
+    v("max_further", max_further);
+    v("min_further_support", min_further_support);
+    v("min_separation_deg", min_separation_deg);
+  }
   std::optional<std::string> Validate() const;
 };
 

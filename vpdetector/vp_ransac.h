@@ -27,6 +27,14 @@ struct VpRansacOptions {
   int max_lines = 400;
   uint64_t seed = 1;
 
+  template <class V>
+  void Visit(V& v) {
+    v("num_hypotheses", num_hypotheses);
+    v("num_refined", num_refined);
+    v("min_difference_deg", min_difference_deg);
+    v("max_lines", max_lines);
+    v("seed", seed);
+  }
   std::optional<std::string> Validate() const;
 };
 

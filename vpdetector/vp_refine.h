@@ -29,16 +29,21 @@ struct VpModel {
   double world_sigma_deg = 0.4;
   /// Share of the lines that are expected to belong to one given axis.
   double inlier_ratio = 0.25;
-  /// Covariances are scaled by how well the image's own lines fit, s^2 = (sum of r^2 + n0) / (n +
-  /// n0
-  /// - 3): some places are built more exactly than others. n0 is how many lines' worth of belief in
-  /// the sigmas above there is to begin with.
+  /// Covariances are scaled by how well the image's own lines fit,
+  /// s^2 = (sum of r^2 + n0) / (n + n0 - 3): some places are built more exactly than others. n0 is
+  /// how many lines' worth of belief in the sigmas above there is to begin with.
   double prior_lines = 1.0;
 
   double WorldVariance() const;
   /// ln(2 inlier_ratio / (sqrt(2 pi) sigma)); what a line that fits exactly adds to the score.
   double Gain(double variance) const;
 
+  template <class V>
+  void Visit(V& v) {
+    v("world_sigma_deg", world_sigma_deg);
+    v("inlier_ratio", inlier_ratio);
+    v("prior_lines", prior_lines);
+  }
   std::optional<std::string> Validate() const;
 };
 

@@ -10,6 +10,7 @@ inline constexpr const char* kCameraChannel = "CAMERA";
 inline constexpr const char* kImageChannel = "IMAGE";
 inline constexpr const char* kFeaturesChannel = "FEATURES";
 inline constexpr const char* kLinesChannel = "LINES";
+inline constexpr const char* kLinesRequestChannel = "LINES_REQUEST";
 inline constexpr const char* kPoseChannel = "POSE";
 inline constexpr const char* kTruthChannel = "TRUTH";
 inline constexpr const char* kKeyframeChannel = "KEYFRAME";
@@ -21,7 +22,7 @@ inline constexpr const char* kStatusChannel = "STATUS";
 inline constexpr const char* kPreviewChannel = "PREVIEW";
 
 /// Who acknowledges the reliable streams, where --require names them.
-inline const std::vector<std::string> kImageConsumers = {"frontend", "vpdetector"};
+inline const std::vector<std::string> kImageConsumers = {"frontend"};
 inline const std::vector<std::string> kPoseConsumers = {"recorder"};
 inline const std::vector<std::string> kKeyframeConsumers = {"backend"};
 inline const std::vector<std::string> kMapConsumers = {"frontend", "recorder"};

@@ -46,6 +46,11 @@ struct Wire<LineSet> {
   static constexpr std::array<int64_t, 2> kElementBytes{kLineBytes, kVanishingPointBytes};
 };
 template <>
+struct Wire<LinesRequest> {
+  using Type = lines_request_t;
+  static constexpr std::array<int64_t, 0> kElementBytes{};
+};
+template <>
 struct Wire<FramePose> {
   using Type = pose_t;
   static constexpr std::array<int64_t, 0> kElementBytes{};
@@ -204,6 +209,7 @@ VPSLAM_INSTANTIATE(Camera)
 VPSLAM_INSTANTIATE(ImageMessage)
 VPSLAM_INSTANTIATE(FrameFeatures)
 VPSLAM_INSTANTIATE(LineSet)
+VPSLAM_INSTANTIATE(LinesRequest)
 VPSLAM_INSTANTIATE(FramePose)
 VPSLAM_INSTANTIATE(Truth)
 VPSLAM_INSTANTIATE(KeyframeProposal)

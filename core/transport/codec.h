@@ -39,7 +39,7 @@ std::optional<Decoded<T>> Decode(std::span<const uint8_t> bytes, std::string* wh
 /// Rewrites Header::oldest_seq in an encoded message, which is sent again as it is otherwise.
 void SetOldestSeq(std::vector<uint8_t>* bytes, int64_t oldest_seq);
 
-// Encode and Decode exist for: Camera, ImageMessage, FrameFeatures, LineSet, FramePose, Truth,
-// KeyframeProposal, MapDelta, MapRequest, Ack, Command, ProcessStatus, Preview.
+// Encode and Decode exist for: Camera, ImageMessage, FrameFeatures, LineSet, LinesRequest,
+// FramePose, Truth, KeyframeProposal, MapDelta, MapRequest, Ack, Command, ProcessStatus, Preview.
 
 }  // namespace vpslam

@@ -14,6 +14,7 @@
 #include "lcmtypes/vpslam/features_t.hpp"
 #include "lcmtypes/vpslam/image_t.hpp"
 #include "lcmtypes/vpslam/keyframe_t.hpp"
+#include "lcmtypes/vpslam/lines_request_t.hpp"
 #include "lcmtypes/vpslam/lines_t.hpp"
 #include "lcmtypes/vpslam/map_delta_t.hpp"
 #include "lcmtypes/vpslam/map_request_t.hpp"
@@ -28,6 +29,7 @@ camera_t ToWire(const Camera& camera);
 image_t ToWire(const ImageMessage& image);
 features_t ToWire(const FrameFeatures& features);
 lines_t ToWire(const LineSet& lines);
+lines_request_t ToWire(const LinesRequest& request);
 pose_t ToWire(const FramePose& pose);
 truth_t ToWire(const Truth& truth);
 keyframe_t ToWire(const KeyframeProposal& keyframe);
@@ -42,6 +44,7 @@ std::optional<Camera> FromWire(const camera_t& wire, std::string* why);
 std::optional<ImageMessage> FromWire(const image_t& wire, std::string* why);
 std::optional<FrameFeatures> FromWire(const features_t& wire, std::string* why);
 std::optional<LineSet> FromWire(const lines_t& wire, std::string* why);
+std::optional<LinesRequest> FromWire(const lines_request_t& wire, std::string* why);
 std::optional<FramePose> FromWire(const pose_t& wire, std::string* why);
 std::optional<Truth> FromWire(const truth_t& wire, std::string* why);
 std::optional<KeyframeProposal> FromWire(const keyframe_t& wire, std::string* why);

@@ -1,4 +1,4 @@
-// Messages that hold the graph together: acknowledgement, command, status.
+// Messages that hold the graph together: acknowledgement, request for lines, command, status.
 #include "core/transport/convert_parts.h"
 
 namespace vpslam {
@@ -16,6 +16,18 @@ ack_t ToWire(const Ack& ack) {
 std::optional<Ack> FromWire(const ack_t& wire, std::string* why) {
   return Checked(Ack{wire.stream, wire.stream_session, wire.consumer, wire.received, wire.done},
                  why);
+}
+
+lines_request_t ToWire(const LinesRequest& request) {
+  lines_request_t wire{};
+  wire.frame_seq = request.frame_seq;
+  wire.image_session = request.image_session;
+  wire.detector = request.detector;
+  return wire;
+}
+
+std::optional<LinesRequest> FromWire(const lines_request_t& wire, std::string* why) {
+  return Checked(LinesRequest{wire.frame_seq, wire.image_session, wire.detector}, why);
 }
 
 command_t ToWire(const Command& command) {

@@ -1,5 +1,7 @@
 #include "core/transport/peers.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -23,40 +25,46 @@ void Peers::Receive(std::span<const uint8_t> bytes) {
   }
   ProcessStatus& status = message->value;
   const std::lock_guard lock(mutex_);
-  const auto [found, is_new] = peers_.try_emplace(status.process);
-  Peer& peer = found->second;
-  if ((is_new || peer.session != message->header.session) &&
-      status.protocol_version != kProtocolVersion) {
+  std::deque<Instance>& instances = peers_[status.process];
+  const auto known = std::find_if(instances.begin(), instances.end(), [&](const Instance& i) {
+    return i.session == message->header.session;
+  });
+  if (known != instances.end()) {
+    instances.erase(known);
+  } else if (status.protocol_version != kProtocolVersion) {
     spdlog::error(
         "{} (pid {}) speaks version {} of the protocol, this process {}; build both from "
         "one source",
         status.process, status.pid, status.protocol_version, kProtocolVersion);
   }
-  peer.session = message->header.session;
-  peer.heard = Clock::now();
-  peer.status = std::move(status);
+  instances.push_back({std::move(status), message->header.session, Clock::now()});
+  if (instances.size() > kMaxInstances) instances.pop_front();
 }
 
 std::optional<ProcessStatus> Peers::Get(const std::string& process) const {
   const std::lock_guard lock(mutex_);
   const auto found = peers_.find(process);
   if (found == peers_.end()) return std::nullopt;
-  return found->second.status;
+  return found->second.back().status;
 }
 
 std::optional<int64_t> Peers::Session(const std::string& process) const {
   const std::lock_guard lock(mutex_);
   const auto found = peers_.find(process);
   if (found == peers_.end()) return std::nullopt;
-  return found->second.session;
+  return found->second.back().session;
 }
 
 std::vector<std::string> Peers::NotReady(const std::vector<std::string>& processes) const {
+  const auto is_ready = [](const Instance& i) {
+    return i.status.state == ProcessState::kReady || i.status.state == ProcessState::kRunning;
+  };
+  const std::lock_guard lock(mutex_);
   std::vector<std::string> missing;
   for (const std::string& process : processes) {
-    const auto status = Get(process);
-    if (!status ||
-        (status->state != ProcessState::kReady && status->state != ProcessState::kRunning)) {
+    const auto found = peers_.find(process);
+    if (found == peers_.end() ||
+        std::none_of(found->second.begin(), found->second.end(), is_ready)) {
       missing.push_back(process);
     }
   }
@@ -72,14 +80,23 @@ std::optional<std::string> Peers::WhyGone(const std::string& process) const {
   const std::lock_guard lock(mutex_);
   const auto found = peers_.find(process);
   if (found == peers_.end()) return std::nullopt;
-  const Peer& peer = found->second;
-  if (peer.status.state == ProcessState::kFailed) {
-    return fmt::format("{} failed: {}", process, peer.status.message);
+  std::optional<std::string> why;
+  for (const Instance& instance : found->second) {
+    why = WhyGone(process, instance);
+    if (!why) return std::nullopt;
   }
-  if (peer.status.state == ProcessState::kFinished) {
+  return why;
+}
+
+std::optional<std::string> Peers::WhyGone(const std::string& process,
+                                          const Instance& instance) const {
+  if (instance.status.state == ProcessState::kFailed) {
+    return fmt::format("{} failed: {}", process, instance.status.message);
+  }
+  if (instance.status.state == ProcessState::kFinished) {
     return fmt::format("{} has ended already", process);
   }
-  const auto silent = Clock::now() - peer.heard;
+  const auto silent = Clock::now() - instance.heard;
   if (silent > silence_) {
     return fmt::format("{} has been silent for {} s; did it die?", process,
                        std::chrono::duration_cast<std::chrono::seconds>(silent).count());

@@ -187,6 +187,12 @@ Fault Validate(const LineSet& set) {
   return check.fault();
 }
 
+Fault Validate(const LinesRequest& request) {
+  Checker check;
+  check.Require(request.frame_seq >= 0, "negative frame number");
+  return check.fault();
+}
+
 Fault Validate(const FramePose& pose) {
   Checker check;
   check.Require(pose.frame_seq >= 0, "negative frame number");

@@ -12,6 +12,7 @@
 #include "core/messages/frame_pose.h"
 #include "core/messages/keyframe_proposal.h"
 #include "core/messages/line_set.h"
+#include "core/messages/lines_request.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"
 #include "core/messages/preview.h"
@@ -35,6 +36,7 @@ Fault Validate(const Camera& camera);
 Fault Validate(const ImageMessage& image);
 Fault Validate(const FrameFeatures& features);
 Fault Validate(const LineSet& lines);
+Fault Validate(const LinesRequest& request);
 Fault Validate(const FramePose& pose);
 Fault Validate(const Truth& truth);
 Fault Validate(const KeyframeProposal& keyframe);

@@ -14,7 +14,7 @@ CONFIG = ROOT / "config"
 
 
 def binaries():
-    """Folder of player, frontend, backend and recorder. The environment variable VPSLAM_BIN_DIR
+    """Folder of the processes. The environment variable VPSLAM_BIN_DIR
     names another one, which is then used as it is: nothing is installed or built."""
     given = os.environ.get("VPSLAM_BIN_DIR")
     if given:

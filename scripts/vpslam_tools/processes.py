@@ -1,18 +1,32 @@
 """The process graph of a run, and the command line of each of its processes.
 
-    player -> frontend <-> backend
-                  \\         /
-                   recorder
+    player --> frontend <--> backend
+        \\     ^     \\        /
+      vpdetector     recorder
 """
 
 import json
 
 from vpslam_tools import paths, sources
 
-# From the source downstream; the player ends first, the recorder last.
-GRAPH = ["player", "frontend", "backend", "recorder"]
+DETECTOR = "vpdetector"
 # What summary.json says of how a run was started.
+<<<<<<< HEAD
 TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace", "preset", "start", "frames"]
+=======
+TOLD_OPTIONS = ["sequence", "camera", "config", "set", "pace", "preset", "detectors", "start",
+                "frames"]
+
+
+def detectors(options):
+    """Names of the detectors, which do the same work and share it: a run can lose all but one."""
+    return [f"{DETECTOR}{number + 1}" for number in range(options.detectors)]
+
+
+def graph(options):
+    """Names from the source downstream; the player ends first, the recorder last."""
+    return ["player", *detectors(options), "frontend", "backend", "recorder"]
+>>>>>>> vpd
 
 
 def command_lines(options, url, session, out):
@@ -24,7 +38,8 @@ def command_lines(options, url, session, out):
                 for word in (f"--{name}", str(getattr(options, name)))]
 
     # Each stream waits for those of its consumers that are named here.
-    common = ["--url", url, "--require", ",".join(GRAPH[1:])] + given("pace")
+    required = ["frontend", "backend", "recorder"] + [DETECTOR] * (options.detectors > 0)
+    common = ["--url", url, "--require", ",".join(required)] + given("pace")
     settings = [word for setting in options.set for word in ("--set", setting)]
     told = {name: getattr(options, name) for name in TOLD_OPTIONS
             if getattr(options, name) not in (None, [])}
@@ -35,5 +50,11 @@ def command_lines(options, url, session, out):
         "backend": given("config") + settings,
         "recorder": ["--out", str(out), "--progress", "--options", json.dumps(told)]
         + given("seed"),
+        DETECTOR: given("config") + settings,
     }
-    return {name: [str(paths.binaries() / name)] + arguments[name] + common for name in GRAPH}
+
+    def command(name):
+        program = DETECTOR if name in detectors(options) else name
+        return [str(paths.binaries() / program)] + arguments[program] + common
+
+    return {name: command(name) for name in graph(options)}

@@ -47,6 +47,9 @@ def add_parser(commands):
                         help="of the random numbers (default: 1)")
     parser.add_argument("--preset", choices=["points"], default="points",
                         help="points (default): point features only")
+    parser.add_argument("--detectors", type=at_least(0), default=0, metavar="N",
+                        help="processes that find lines and vanishing points, which share the "
+                        "images (default: 0)")
     parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
     parser.add_argument("--session", type=at_least(1), metavar="N",
                         help="id of the run, in the player's messages and the name of its shared "
@@ -76,7 +79,7 @@ def run(args):
     commands = processes.command_lines(args, url, session, out)
     progress = Progress()
     progress.tell(f"LCM URL  {url}")
-    supervisor = launch(run_record, commands, logs, progress)
+    supervisor = launch(run_record, commands, processes.detectors(args), logs, progress)
     return conclude(supervisor, args, out, progress)
 
 
@@ -88,8 +91,9 @@ def check_input(args):
         if path and not pathlib.Path(path).is_file():
             raise UserError(f"{path}: no such file; check --{option}")
     for setting in args.set:
-        if not re.match(r"(frontend|backend)\.[\w.]+=.", setting):
-            raise UserError(f"--set {setting}: write it as frontend.KEY=VALUE or backend.KEY=VALUE")
+        if not re.match(r"(frontend|backend|vpdetector)\.[\w.]+=.", setting):
+            raise UserError(f"--set {setting}: write it as frontend.KEY=VALUE, "
+                            "backend.KEY=VALUE or vpdetector.KEY=VALUE")
 
 
 def default_out(sequence):
@@ -102,12 +106,13 @@ def default_out(sequence):
     return path
 
 
-def launch(run_record, commands, logs, progress):
+def launch(run_record, commands, detectors, logs, progress):
     registry.write(run_record)
     guardian = Guardian(run_record["session"])
-    supervisor = Supervisor(processes.GRAPH, progress.show)
+    order = list(commands)
+    supervisor = Supervisor(order, progress.show, sharing=detectors, tell=progress.tell)
     try:
-        for name in reversed(processes.GRAPH):
+        for name in reversed(order):
             try:
                 pid = supervisor.start(name, commands[name], logs / f"{name}.log")
             except OSError as error:

@@ -66,13 +66,16 @@ class Child:
 class Supervisor:
     """`order`: names from the source downstream; the first ends by itself, the last writes the
     results. `on_output` gets each line that the last one prints, and returns true once frames
-    come through."""
+    come through. Those in `sharing` do the same work: as long as one of them runs, the loss of
+    another is only told (`tell` gets a line)."""
 
-    def __init__(self, order, on_output):
+    def __init__(self, order, on_output, sharing=(), tell=print):
         self.order, self.on_output = order, on_output
+        self.sharing, self.tell = list(sharing), tell
         self.children = {}
         self.interrupts = 0
         self.faults = {}  # name of the process: what is wrong with it
+        self._lost = set()  # of those in `sharing`
         self._frames_come = False
         self._selector = selectors.DefaultSelector()
         self._unfinished_line = b""
@@ -101,20 +104,20 @@ class Supervisor:
         """Returns when no process is left; `faults` and `interrupts` say how it went."""
         player = self.children[self.order[0]]
         told, deadline = False, None
-        while self._running() and not self._find_faults() and self.interrupts < 2:
+        while self._needed() and not self._find_faults() and self.interrupts < 2:
             if self.interrupts == 1 and not told:
                 told, deadline = True, time.monotonic() + INTERRUPT_S
                 player.signal(signal.SIGINT)
             if not player.is_running():
                 deadline = player.ended_at + DRAIN_S
             if deadline is not None and time.monotonic() > deadline:
-                self.faults[self._running()[0].name] = "did not end in time"
+                self.faults[self._needed()[0].name] = "did not end in time"
                 break
             self._wait(TICK_S)
         if self._frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S
-            while self._running() and time.monotonic() < deadline and self.interrupts < 2:
+            while self._needed() and time.monotonic() < deadline and self.interrupts < 2:
                 self._wait(TICK_S)
         self.stop()
 
@@ -144,20 +147,32 @@ class Supervisor:
         return [self.children[name] for name in self.order
                 if name in self.children and self.children[name].is_running()]
 
+    def _needed(self):
+        """Those whose end is waited for: when they have gone, none has work for `sharing`."""
+        return [child for child in self._running() if child.name not in self.sharing]
+
     def _find_faults(self):
-        running = self._running()
+        needed = self._needed()
         for position, name in enumerate(self.order):
             child = self.children[name]
             if child.is_running():
                 continue
             fault = child.how_it_failed()
-            upstream = [other for other in running if other.name in self.order[:position]]
+            upstream = [other for other in needed if other.name in self.order[:position]]
             if (fault is None and upstream
                     and time.monotonic() > child.ended_at + OUT_OF_TURN_S):
                 fault = f"ended while {upstream[0].name} was still running"
-            if fault:
+            if fault and not self._can_do_without(name, fault):
                 self.faults[name] = fault
         return self.faults
+
+    def _can_do_without(self, name, fault):
+        others = [other for other in self.sharing
+                  if other != name and self.children[other].is_running()]
+        if name in self.sharing and others and name not in self._lost:
+            self._lost.add(name)
+            self.tell(f"{name} {fault}; the run goes on with {' and '.join(others)}")
+        return name in self._lost
 
     # --- events
 

@@ -67,12 +67,14 @@ class FakeMapper {
 class FakeTracker {
  public:
   TrackerCalls Calls() {
-    return {[this](const ImageFrame& image) { return Track(image); },
+    return {[this](const ImageFrame& image, const GetLines& lines) { return Track(image, lines); },
             [this](const MapDelta& delta) { return Apply(delta); }, [this] { return Finish(); },
             [this] { return version_; }};
   }
 
-  Tracker::Output Track(const ImageFrame& image) {
+  Tracker::Output Track(const ImageFrame& image, const GetLines& get_lines) {
+    const LineSet* lines = get_lines();
+    frames_of_lines_.push_back(lines ? lines->frame_seq : -1);
     log_.push_back(fmt::format("image {} {} with {} keyframes", image.frame_seq,
                                image.pixels.at<uint8_t>(0, 0), replica_.size()));
     Tracker::Output output;
@@ -112,6 +114,7 @@ class FakeTracker {
 
   std::vector<std::string> log_;
   std::set<KeyframeId> replica_;
+  std::vector<int64_t> frames_of_lines_;  ///< per image; -1: none
   int64_t version_ = 0;
   int64_t refuse_version_ = -1;
   int next_id_ = 0;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for player, frontend, backend or recorder, whichever name it is called by.
+"""Stands in for player, vpdetector, frontend, backend or recorder, by whose name it is called.
 
 Each waits for a file that the one upstream leaves in its working directory when it ends. The
 environment variable FAKE_<NAME> makes one misbehave: "fail" (after it printed a line), "hang"
@@ -16,7 +16,7 @@ import time
 
 NAME = os.path.basename(sys.argv[0])
 MISBEHAVIOUR = os.environ.get("FAKE_" + NAME.upper())
-UPSTREAM = {"frontend": "player", "backend": "frontend", "recorder": "backend"}.get(NAME)
+UPSTREAM = {"vpdetector": "player", "frontend": "player", "backend": "frontend", "recorder": "backend"}.get(NAME)
 
 
 def option(flag):

@@ -26,7 +26,7 @@ class LauncherTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="vpslam-test-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         (self.folder / "bin").mkdir()
-        for name in NAMES:
+        for name in NAMES + ["vpdetector"]:
             os.symlink(FAKE, self.folder / "bin" / name)
         (self.folder / "runtime").mkdir(mode=0o700)
         sequence = self.folder / "room"
@@ -56,14 +56,14 @@ class LauncherTest(unittest.TestCase):
     def registered(self):
         return list((self.folder / "runtime" / "vpslam").glob("*.json"))
 
-    def wait_until_running(self):
+    def wait_until_running(self, names=NAMES):
         """Returns the registered run once all its processes live and have begun."""
         deadline = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline:
             for path in self.registered():
                 run = json.loads(path.read_text())
-                logs = [pathlib.Path(run["out"], "logs", f"{name}.log") for name in NAMES]
-                if (sorted(run["processes"]) == sorted(NAMES)
+                logs = [pathlib.Path(run["out"], "logs", f"{name}.log") for name in names]
+                if (sorted(run["processes"]) == sorted(names)
                         and all(log.exists() and "begins" in log.read_text() for log in logs)):
                     return run
             time.sleep(0.02)
@@ -222,6 +222,61 @@ class FailingProcess(LauncherTest):
         self.assertIn("backend: cannot be started", output)
         self.assertNotIn("Traceback", output)
         self.assert_nothing_left()
+
+
+class Detectors(LauncherTest):
+    DETECTORS = ["vpdetector1", "vpdetector2"]
+
+    def start_two(self):
+        process = self.start("run", "room", "--out", "out", "--detectors", "2", FAKE_SECONDS="300")
+        return process, self.wait_until_running(NAMES + self.DETECTORS)
+
+    def test_none_unless_asked_for(self):
+        status, output = self.finish(self.start("run", "room", "--out", "out"))
+        self.assertEqual(status, 0, output)
+        self.assertEqual(list((self.folder / "out" / "logs").glob("vpdetector*")), [])
+
+    def test_the_loss_of_one_is_told(self):
+        process, run = self.start_two()
+        os.kill(run["processes"]["vpdetector2"]["pid"], signal.SIGKILL)
+        line = process.stdout.readline()
+        while line and "vpdetector2" not in line:
+            line = process.stdout.readline()
+        self.assertEqual(line.strip(), "vpdetector2 was killed by SIGKILL; the run goes on with "
+                                       "vpdetector1")
+        process.send_signal(signal.SIGINT)
+        status, output = self.finish(process)
+        self.assertEqual(status, 0, output)
+        self.assert_nothing_left()
+
+    def test_the_loss_of_all_is_a_failure(self):
+        process, run = self.start_two()
+        for name in self.DETECTORS:
+            os.kill(run["processes"][name]["pid"], signal.SIGKILL)
+        status, output = self.finish(process)
+        self.assertEqual(status, 1)
+        self.assertRegex(output, r"vpdetector\d was killed by SIGKILL; .*vpdetector\d.log ends")
+        self.assertTrue((self.folder / "out" / "summary.json").exists())
+        self.assert_nothing_left()
+
+    def test_one_that_hangs_does_not_hold_up_the_end(self):
+        status, output = self.finish(self.start(
+            "run", "room", "--out", "out", "--detectors", "1", FAKE_VPDETECTOR="hang",
+            patch="supervisor.TERMINATE_S = 0.5"))
+        self.assertEqual(status, 0, output)
+        self.assert_nothing_left()
+
+    def test_what_they_and_the_others_are_told(self):
+        process, run = self.start_two()
+
+        def words(name):
+            path = pathlib.Path(f"/proc/{run['processes'][name]['pid']}/cmdline")
+            return path.read_text().split("\0")
+        self.assertIn("frontend,backend,recorder,vpdetector", words("player"))
+        self.assertIn("frontend,backend,recorder,vpdetector", words("frontend"))
+        self.assertIn(run["url"], words("vpdetector2"))
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(self.finish(process)[0], 0)
 
 
 class Leftovers(LauncherTest):

@@ -35,6 +35,7 @@ TEST(Codec, EveryMessageComesBackBitByBit) {
     ExpectRoundTrip(random, random.Keyframe(random.Int(0, 30)));
     ExpectRoundTrip(random, random.Delta(random.Int(0, 30)));
     ExpectRoundTrip(random, random.SomeMapRequest());
+    ExpectRoundTrip(random, random.SomeLinesRequest());
     ExpectRoundTrip(random, random.SomeAck());
     ExpectRoundTrip(random, random.SomeCommand());
     ExpectRoundTrip(random, random.Status());

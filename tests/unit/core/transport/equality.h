@@ -130,6 +130,10 @@ inline bool Same(const MapDelta& a, const MapDelta& b) {
 inline bool Same(const MapRequest& a, const MapRequest& b) {
   return a.process == b.process && a.map_version == b.map_version;
 }
+inline bool Same(const LinesRequest& a, const LinesRequest& b) {
+  return a.frame_seq == b.frame_seq && a.image_session == b.image_session &&
+         a.detector == b.detector;
+}
 inline bool Same(const Ack& a, const Ack& b) {
   return a.stream == b.stream && a.stream_session == b.stream_session && a.consumer == b.consumer &&
          a.received == b.received && a.done == b.done;

@@ -90,6 +90,7 @@ TEST_F(Malformed, InlineImage) { ExpectRefusesDamage(random_, random_.Image(true
 TEST_F(Malformed, SharedImage) { ExpectRefusesDamage(random_, random_.Image(false), 1); }
 TEST_F(Malformed, Features) { ExpectRefusesDamage(random_, random_.SomeFrameFeatures(), 1); }
 TEST_F(Malformed, Lines) { ExpectRefusesDamage(random_, random_.Lines(), 2); }
+TEST_F(Malformed, LinesRequest) { ExpectRefusesDamage(random_, random_.SomeLinesRequest(), 0); }
 TEST_F(Malformed, Pose) { ExpectRefusesDamage(random_, random_.SomeFramePose(), 0); }
 TEST_F(Malformed, Truth) { ExpectRefusesDamage(random_, random_.SomeTruth(), 0); }
 TEST_F(Malformed, Keyframe) { ExpectRefusesDamage(random_, random_.Keyframe(20), 5); }

@@ -201,6 +201,7 @@ class RandomMessages {
   }
 
   MapRequest SomeMapRequest() { return {"frontend", Long()}; }
+  LinesRequest SomeLinesRequest() { return {Long(), Long(), Long()}; }
   Ack SomeAck() {
     Ack a{"IMAGE", Long(), "backend", Long(), 0};
     a.done = a.received - Int(0, 5);

@@ -6,13 +6,17 @@
 #include <unistd.h>
 
 #include "core/transport/inbox.h"
+#include "core/transport/peers.h"
 #include "core/transport/publisher.h"
+#include "core/transport/status_reporter.h"
 #include "stream_harness.h"
 
 namespace vpslam::test {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 BusOptions Udp(double drop_share = 0, uint64_t seed = 1) {
   BusOptions options;
@@ -37,6 +41,24 @@ TEST(Udp, PublishersReachOtherInstances) {
   Publisher<Preview> publisher(a, kTestStream);
   publisher.Publish(Numbered(1, 60000));
   EXPECT_TRUE(b.WaitFor([&] { return inbox.HasMessage(); }, 5s));
+}
+
+TEST(Udp, OneInstanceOfAProcessIsEnoughToGoOn) {
+  Bus a(Udp()), b(Udp()), listener(Udp());
+  Peers peers(listener);
+  StatusReporter one(a, "vpdetector");
+  auto other = std::make_unique<StatusReporter>(b, "vpdetector");
+  EXPECT_THAT(peers.NotReady({"vpdetector"}), ElementsAre("vpdetector"));
+  one.SetState(ProcessState::kRunning);
+  ASSERT_TRUE(peers.WaitReady({"vpdetector"}, 5s));
+  other->SetState(ProcessState::kFailed, "out of paper");
+  ASSERT_TRUE(listener.WaitFor(
+      [&] { return peers.Get("vpdetector")->state == ProcessState::kFailed; }, 5s));
+  EXPECT_FALSE(peers.WhyGone("vpdetector"));
+  EXPECT_THAT(peers.NotReady({"vpdetector"}), IsEmpty());
+  one.SetState(ProcessState::kFinished);
+  ASSERT_TRUE(listener.WaitFor([&] { return peers.WhyGone("vpdetector").has_value(); }, 5s));
+  EXPECT_THAT(peers.NotReady({"vpdetector"}), ElementsAre("vpdetector"));
 }
 
 struct Case {

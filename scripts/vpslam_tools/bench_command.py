@@ -1,0 +1,31 @@
+"""`vpslam bench`: measures, one suite at a time."""
+
+import pathlib
+
+from vpslam_tools import suites
+from vpslam_tools.errors import UserError
+
+
+def add_parser(commands):
+    parser = commands.add_parser(
+        "bench", help="measure accuracy and time",
+        description="Runs one suite of measurements, prints its tables and leaves them in a folder.")
+    parser.add_argument("--suite", required=True, choices=list(suites.ALL),
+                        help="; ".join(f"{name}: {suite.HELP}" for name, suite in
+                                       suites.ALL.items()))
+    parser.add_argument("--data", metavar="FOLDER", help="what to measure on")
+    parser.add_argument("--out", metavar="DIR", required=True,
+                        help="folder for the results; made if missing")
+    for name, suite in suites.ALL.items():
+        suite.add_arguments(parser.add_argument_group(f"suite {name}"))
+    parser.set_defaults(function=run)
+
+
+def run(args):
+    args.out = pathlib.Path(args.out).resolve()
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{args.out}: cannot be made ({error.strerror}); name another folder with "
+                        "--out") from None
+    return suites.ALL[args.suite].run(args)
