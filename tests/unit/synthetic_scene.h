@@ -37,6 +37,7 @@ struct SyntheticOptions {
   int num_points = 800;       ///< of which a camera near the origin sees about half
   double length = 8;          ///< of the scene, along x from -4
   int max_octave = 7;         ///< at which points are seen from about 5 away
+  bool finest_only = false;   ///< all points are found on octave 0, from everywhere
   double noise_sigmas = 1;    ///< of key points, in the sigmas of their octaves
   int descriptor_bits = 8;    ///< that differ from the point's descriptor, per view
   double outlier_share = 0;   ///< features with the descriptor of a point that is elsewhere
@@ -106,10 +107,11 @@ class SyntheticScene {
       const SyntheticPoint& p = points[i];
       const Eigen::Vector3d x = cam_from_world * p.position;
       if (x.z() < 0.3 || Uniform(0, 1) >= options_.detected_share) continue;
-      if (x.norm() > 1.1 * p.max_distance || 1.1 * x.norm() < scales.MinDistance(p.max_distance)) {
+      const double distance = options_.finest_only ? p.max_distance : x.norm();
+      if (distance > 1.1 * p.max_distance || 1.1 * distance < scales.MinDistance(p.max_distance)) {
         continue;
       }
-      const int octave = scales.PredictOctave(x.norm(), p.max_distance);
+      const int octave = scales.PredictOctave(distance, p.max_distance);
       const double sigma_px = options_.noise_sigmas * scales.sigma_px(octave);
       Eigen::Vector2d px = camera.Project(x) + sigma_px * Eigen::Vector2d(Normal(), Normal());
       const bool outlier = Uniform(0, 1) < options_.outlier_share;

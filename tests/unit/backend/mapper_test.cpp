@@ -125,19 +125,33 @@ struct Errors {
   double wrong_points = 0;  ///< share with observations of different things
 };
 
+/// Aligned by the centres and by where the cameras look: centres on a line leave a turn about it
+/// open, and depths of points are too noisy.
 Errors Compare(const IdealFrontend& f) {
-  std::vector<Eigen::Vector3d> estimate, truth;
+  std::vector<SE3> estimate, truth;
   for (const auto& [id, view] : f.views) {
     SE3 pose;
     if (!f.replica.CamFromWorld(id, &pose)) continue;
-    estimate.push_back(pose.Center());
-    truth.push_back(view.cam_from_world.Center());
+    estimate.push_back(pose);
+    truth.push_back(view.cam_from_world);
   }
-  const Sim3 truth_from_map = *AlignPoints(estimate, truth);
-  Errors errors;
-  errors.scale = truth_from_map.scale;
+  const auto length = [](const std::vector<SE3>& poses) {
+    return (poses.back().Center() - poses.front().Center()).norm();
+  };
+  const double scale = length(truth) / length(estimate);
+  std::vector<Eigen::Vector3d> a, b;
   for (size_t i = 0; i < truth.size(); ++i) {
-    errors.keyframes += (truth_from_map * estimate[i] - truth[i]).squaredNorm();
+    for (const Eigen::Vector3d& x : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(3, 0, 5),
+                                     Eigen::Vector3d(0, 3, 5), Eigen::Vector3d(-3, -3, 5)}) {
+      a.push_back(estimate[i].Inverse() * Eigen::Vector3d(x / scale));
+      b.push_back(truth[i].Inverse() * x);
+    }
+  }
+  const Sim3 truth_from_map = *AlignPoints(a, b);
+  Errors errors;
+  errors.scale = scale;
+  for (size_t i = 0; i < truth.size(); ++i) {
+    errors.keyframes += (truth_from_map * estimate[i].Center() - truth[i].Center()).squaredNorm();
   }
   errors.keyframes = std::sqrt(errors.keyframes / static_cast<double>(truth.size()));
   std::vector<double> points;
@@ -146,18 +160,18 @@ Errors Compare(const IdealFrontend& f) {
     const MapPoint* point = f.replica.Find(PointId(i));
     if (!point) continue;
     const int p = f.TruthOf(*point);
-    for (const Observation& o : point->observations) {
-      if (p >= 0 && f.views.at(o.keyframe).point[o.feature] == p) continue;
-      ++wrong;
-      break;
-    }
-    if (p < 0) continue;
+    const bool right = p >= 0 && std::all_of(point->observations.begin(), point->observations.end(),
+                                             [&](const Observation& o) {
+                                               return f.views.at(o.keyframe).point[o.feature] == p;
+                                             });
+    wrong += !right;
+    if (!right) continue;
     const Eigen::Vector3d& x = f.scene.points[p].position;
     points.push_back((truth_from_map * point->position - x).norm() / x.z());
   }
   std::sort(points.begin(), points.end());
   errors.median_point = points[points.size() / 2];
-  errors.wrong_points = wrong / static_cast<double>(points.size());
+  errors.wrong_points = wrong / static_cast<double>(wrong + points.size());
   return errors;
 }
 
@@ -170,9 +184,10 @@ TEST(Mapper, AWalkAgainstTheTruth) {
                             .clutter = 50,
                             .detected_share = 0.9});
     const Errors errors = Compare(*f);
-    // 0.3 % of the way, 0.5 % of the depth. The first two views set the scale, which drifts.
-    EXPECT_LT(errors.keyframes, 0.018);
-    EXPECT_LT(errors.median_point, 0.005);
+    // Half a percent of the way. A corner that is followed for one unit has its depth to
+    // 2 %: 1.7 px of 100. The first two views set the scale, which drifts.
+    EXPECT_LT(errors.keyframes, 0.03);
+    EXPECT_LT(errors.median_point, 0.02);
     EXPECT_NEAR(errors.scale, 1, 0.05);
     EXPECT_LT(errors.wrong_points, 0.03);
     EXPECT_GT(f->replica.NumPoints(MapId(0)), 600);
