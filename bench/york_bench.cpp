@@ -15,7 +15,7 @@
 #include "bench/vp_metrics.h"
 #include "bench/york_folder.h"
 #include "core/base/cpu_stopwatch.h"
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 #include "vpdetector/line_descriptor.h"
 #include "vpdetector/line_extractor.h"
 #include "vpdetector/vp_estimator.h"

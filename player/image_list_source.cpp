@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 
 namespace vpslam {
 
 ImageListSource::ImageListSource(ImageList list, const SourceOptions& options)
     : list_(std::move(list)), options_(options), guard_(0) {
   if (list_.images.empty()) {
-    throw std::runtime_error(list_.name +
-                             ": lists no image; write lines such as '0.033333 rgb/0001.png'");
+    throw std::runtime_error(list_.name + ": lists no image; write lines of the form '" +
+                             list_.line_form + "'");
   }
   KeepAscendingStamps();
   const auto n = static_cast<int64_t>(list_.images.size());

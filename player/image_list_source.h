@@ -20,6 +20,7 @@ struct ListedImage {
 /// What a layout's reader finds.
 struct ImageList {
   std::string name;         ///< the list's file, for messages
+  std::string line_form;    ///< what a line of that file looks like, for messages
   std::string camera_name;  ///< the calibration's file, for messages
   Camera camera;
   std::vector<ListedImage> images;

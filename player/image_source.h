@@ -19,15 +19,21 @@
 namespace vpslam {
 
 struct SourceOptions {
+  std::string kind;         ///< one of SourceKindNames(); empty: the one that is recognised
   std::string camera_file;  ///< empty: the source's own calibration
   int64_t start = 0;        ///< leave out that many frames at the beginning
   int64_t max_frames = 0;   ///< end after that many frames; 0: when the source does
+  double fps = 0;           ///< Hz, for sources without time stamps; 0: what the calibration says
+  int width = 0;            ///< px, asked of a live camera; 0: what the calibration says
+  int height = 0;
   /// Called with one line about each thing that was skipped, from any thread.
   std::function<void(const std::string&)> tell = [](const std::string&) {};
 
   std::optional<std::string> Validate() const {
     if (start < 0) return "start must not be negative";
     if (max_frames < 0) return "frames must not be negative";
+    if (!(fps >= 0) || fps > 10000) return "fps must lie in 0 to 10000";
+    if (width < 0 || height < 0) return "width and height must not be negative";
     return std::nullopt;
   }
 };
@@ -43,6 +49,9 @@ class ImageSource {
   virtual ~ImageSource() = default;
 
   virtual const Camera& camera() const = 0;
+
+  /// True for a camera: it does not wait, and must not be read ahead.
+  virtual bool IsLive() const { return false; }
 
   /// The next frame; nullopt at the end. Throws where going on makes no sense.
   virtual std::optional<SourceFrame> Next() = 0;

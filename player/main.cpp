@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,6 +15,7 @@
 #include "player/play.h"
 #include "player/render_to_folder.h"
 #include "player/source_factory.h"
+#include "player/truth_file.h"
 
 namespace {
 
@@ -21,7 +24,7 @@ using namespace vpslam;
 std::atomic<bool> stop = false;  // outlives the thread that handles signals
 
 int Run(Process& process, const std::string& sequence, SourceOptions source_options,
-        PlayOptions play_options) {
+        PlayOptions play_options, const std::string& truth_path) {
   process.OnStopSignal([&process] {
     stop = true;
     process.bus.Notify();
@@ -29,11 +32,21 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
   source_options.tell = [](const std::string& line) { spdlog::warn("{}", line); };
   play_options.required = process.options.required;
 
-  DecodeAhead source(OpenSource(sequence, source_options));
-  const Camera& c = source.camera();
+  std::optional<TruthFile> truth;
+  if (!truth_path.empty()) {
+    truth.emplace(truth_path);
+    play_options.on_truth = [&truth](int64_t stamp_us, const SE3& pose) {
+      truth->Add(stamp_us, pose);
+    };
+  }
+
+  std::unique_ptr<ImageSource> source = OpenSource(sequence, source_options);
+  if (!source->IsLive()) source = std::make_unique<DecodeAhead>(std::move(source));
+  const Camera& c = source->camera();
   spdlog::info("playing {}: {} x {} px at {:g} Hz", sequence, c.width, c.height, c.fps);
-  const int64_t sent = Play(process.bus, process.peers, process.status, source, play_options, stop);
-  if (const std::string skipped = source.Summary(); !skipped.empty()) spdlog::warn("{}", skipped);
+  const int64_t sent =
+      Play(process.bus, process.peers, process.status, *source, play_options, stop);
+  if (const std::string skipped = source->Summary(); !skipped.empty()) spdlog::warn("{}", skipped);
   spdlog::info("sent {} images{}", sent, stop ? ", then stopped" : "");
   return kExitOk;
 }
@@ -76,27 +89,39 @@ int main(int argc, char** argv) {
     return Render(argc, argv);
   }
   CLI::App app("Plays a sequence of images into the VP-SLAM process graph.");
-  std::string sequence;
+  std::string sequence, truth_path;
   SourceOptions source_options;
   PlayOptions play_options;
   ProcessOptions options;
   options.name = "player";
   options.required = {"frontend"};
   app.footer("player --render sim:room --to DIR writes a simulated sequence to files instead.");
-  app.add_option(
-         "sequence", sequence,
-         "folder with rgb.txt and camera.yaml (TUM RGB-D layout), or sim:room, sim:corridor")
+  app.add_option("sequence", sequence,
+                 "folder of a sequence (TUM RGB-D, EuRoC, KITTI, ICL-NUIM, or images), video file, "
+                 "camera:0, sim:room or sim:corridor")
       ->required();
+  app.add_option("--source", source_options.kind, "kind of the sequence, if not the recognised one")
+      ->check(CLI::IsMember(SourceKindNames()));
   app.add_option("--camera", source_options.camera_file,
-                 "calibration file, instead of the sequence's camera.yaml");
+                 "calibration file, instead of the sequence's own");
   app.add_option("--start", source_options.start, "leave out that many frames at the beginning")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--frames", source_options.max_frames, "end after that many frames; 0: play all")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--fps", source_options.fps,
+                 "frames per second of images, a video or a camera; default: the file's or the "
+                 "calibration's")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--width", source_options.width,
+                 "px, asked of a camera; the calibration is scaled to it")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--height", source_options.height, "px, likewise")->check(CLI::PositiveNumber);
+  app.add_option("--truth", truth_path,
+                 "file to write the true poses of the played frames to, where the source has them");
   app.add_flag("--inline", play_options.inline_pixels,
                "send pixels in the messages, for other hosts and logs, instead of shared memory");
   AddProcessOptions(app, &options);
   return RunProcess(app, argc, argv, &options, [&](Process& process) {
-    return Run(process, sequence, source_options, play_options);
+    return Run(process, sequence, source_options, play_options, truth_path);
   });
 }

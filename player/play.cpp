@@ -128,6 +128,7 @@ class Player {
   bool SendImage(const SourceFrame& frame) {
     if (const auto world_from_cam = source_.WorldFromCam(frame.stamp_us)) {
       truth_.Publish({sent_, frame.stamp_us, *world_from_cam});
+      options_.on_truth(frame.stamp_us, *world_from_cam);
     }
     ImageFrame image;
     image.frame_seq = sent_;

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct PlayOptions {
   /// waited for after each.
   std::vector<std::string> required;
   bool inline_pixels = false;  ///< in the message itself instead of shared memory
+  /// Called with time and true world_from_cam of each frame that is sent, where the source knows
+  /// it.
+  std::function<void(int64_t, const SE3&)> on_truth = [](int64_t, const SE3&) {};
 };
 
 /// Sends CAMERA, TRUTH and IMAGE until the source ends, or `stop` is set, or COMMAND kStop comes;

@@ -3,12 +3,17 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "player/image_source.h"
 
 namespace vpslam {
 
-/// Throws std::runtime_error with one line naming the fault and the remedy.
+/// `options.kind` overrides what the name and what is found there look like. Throws
+/// std::runtime_error with one line naming the fault and the remedy.
 std::unique_ptr<ImageSource> OpenSource(const std::string& name, const SourceOptions& options);
+
+/// What `options.kind` may be.
+std::vector<std::string> SourceKindNames();
 
 }  // namespace vpslam

@@ -3,11 +3,8 @@
 // `seconds tx ty tz qx qy qz qw` (camera-to-world, m), '#' for comments; besides, `camera.yaml`.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 
 #include "player/image_source.h"
 
@@ -17,8 +14,5 @@ bool IsTumFolder(const std::string& path);
 
 /// Throws std::runtime_error with one line naming file, fault and remedy.
 std::unique_ptr<ImageSource> OpenTumFolder(const std::string& path, const SourceOptions& options);
-
-/// Decimal seconds to microseconds, rounded; nullopt if `text` is no finite number of seconds.
-std::optional<int64_t> ParseStamp_us(std::string_view text);
 
 }  // namespace vpslam

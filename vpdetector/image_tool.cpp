@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/camera_file.h"
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 
 namespace vpslam {
 namespace {

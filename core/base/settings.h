@@ -4,6 +4,7 @@
 // ... }`; reading, overriding, printing and the refusal of unknown keys all follow from that.
 #pragma once
 
+#include <array>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -14,7 +15,23 @@
 
 namespace vpslam {
 
+/// The sections that a settings file may have: one per process that has settings.
+inline constexpr std::array kSettingsSections = {"frontend", "backend", "vpdetector"};
+
 namespace settings_internal {
+
+inline void RefuseUnknownSections(const YAML::Node& root) {
+  for (const auto& entry : root) {
+    const auto name = entry.first.as<std::string>();
+    std::string names;
+    bool known = false;
+    for (const char* section : kSettingsSections) {
+      known |= name == section;
+      names += (names.empty() ? "" : ", ") + std::string(section);
+    }
+    if (!known) throw std::runtime_error(name + ": there is no such section; there are " + names);
+  }
+}
 
 class Reader {
  public:
@@ -83,8 +100,9 @@ class Printer {
 }  // namespace settings_internal
 
 /// Reads section `section` of the YAML file (none if `file` is empty), then applies `overrides`,
-/// each "section.path.to.member=value"; those of other sections are passed over. Validates. Throws
-/// std::runtime_error with one line naming file or override, key and fault.
+/// each "section.path.to.member=value"; those of other sections are passed over, but a file's
+/// section must be one of kSettingsSections. Validates. Throws std::runtime_error with one line
+/// naming file or override, key and fault.
 template <class Options>
 Options LoadSettings(const std::string& file, const std::string& section,
                      const std::vector<std::string>& overrides) {
@@ -102,6 +120,7 @@ Options LoadSettings(const std::string& file, const std::string& section,
     if (!file.empty()) {
       const YAML::Node root = YAML::LoadFile(file);
       if (!root.IsMap()) throw std::runtime_error("holds no sections such as 'frontend:'");
+      settings_internal::RefuseUnknownSections(root);
       apply(root);
     }
     for (const std::string& override_text : overrides) {

@@ -3,7 +3,11 @@
 import argparse
 import sys
 
+<<<<<<< HEAD
+from vpslam_tools import demo_command, evaluate_command, install_build, run_command
+=======
 from vpslam_tools import bench_command, evaluate_command, install_build, run_command
+>>>>>>> vpd
 from vpslam_tools.errors import UserError
 
 
@@ -12,6 +16,7 @@ def build_parser():
         prog="vpslam",
         description="Monocular visual SLAM as a graph of processes that talk over LCM.")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    demo_command.add_parser(commands)
     run_command.add_parser(commands)
     evaluate_command.add_parser(commands)
     bench_command.add_parser(commands)

@@ -7,10 +7,13 @@
 
 import json
 
-from vpslam_tools import paths
+from vpslam_tools import paths, sources
 
 DETECTOR = "vpdetector"
 # What summary.json says of how a run was started.
+<<<<<<< HEAD
+TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace", "preset", "start", "frames"]
+=======
 TOLD_OPTIONS = ["sequence", "camera", "config", "set", "pace", "preset", "detectors", "start",
                 "frames"]
 
@@ -23,6 +26,7 @@ def detectors(options):
 def graph(options):
     """Names from the source downstream; the player ends first, the recorder last."""
     return ["player", *detectors(options), "frontend", "backend", "recorder"]
+>>>>>>> vpd
 
 
 def command_lines(options, url, session, out):
@@ -40,7 +44,8 @@ def command_lines(options, url, session, out):
     told = {name: getattr(options, name) for name in TOLD_OPTIONS
             if getattr(options, name) not in (None, [])}
     arguments = {
-        "player": [options.sequence, "--session", session] + given("camera", "start", "frames"),
+        "player": [options.sequence, "--session", session, "--truth", str(out / "truth.txt")]
+        + given(*sources.OPTIONS, "start", "frames"),
         "frontend": given("config", "seed") + settings,
         "backend": given("config") + settings,
         "recorder": ["--out", str(out), "--progress", "--options", json.dumps(told)]

@@ -8,7 +8,7 @@ import pathlib
 import random
 import re
 
-from vpslam_tools import install_build, multicast, processes, registry
+from vpslam_tools import install_build, multicast, processes, registry, sources
 from vpslam_tools.errors import UserError
 from vpslam_tools.evaluate_command import evaluate_files
 from vpslam_tools.guardian import Guardian
@@ -33,11 +33,7 @@ def add_parser(commands):
         description="Launches player, frontend, backend and recorder as processes of their own on "
         "an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends it early, with "
         "results, and a second one at once.")
-    parser.add_argument("sequence", metavar="SEQUENCE",
-                        help="folder in TUM RGB-D layout: rgb.txt, camera.yaml, and groundtruth.txt "
-                        "where there is one")
-    parser.add_argument("--camera", metavar="FILE", help="calibration; default: camera.yaml of the "
-                        "sequence")
+    sources.add_arguments(parser)
     parser.add_argument("--out", metavar="DIR",
                         help="results folder; default: results/DATE-SEQUENCE")
     parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
@@ -89,8 +85,7 @@ def run(args):
 
 def check_input(args):
     """What would only come out when the processes are up; the rest they check themselves."""
-    if not pathlib.Path(args.sequence).is_dir():
-        raise UserError(f"{args.sequence}: no such folder; name one in TUM RGB-D layout")
+    sources.check(args)
     for option in ("camera", "config"):
         path = getattr(args, option)
         if path and not pathlib.Path(path).is_file():
@@ -103,7 +98,7 @@ def check_input(args):
 
 def default_out(sequence):
     stamp = datetime.datetime.now().strftime("%Y-%m-%d_%H%M%S")
-    name = f"{stamp}-{pathlib.Path(sequence).resolve().name}"
+    name = f"{stamp}-{sources.short_name(sequence)}"
     path = pathlib.Path("results", name).resolve()
     repeat = 2
     while path.exists():
@@ -143,7 +138,7 @@ def conclude(supervisor, args, out, progress):
     summary = out / "summary.json"
     frames = json.loads(summary.read_text())["frames"] if summary.exists() else {"in": 0}
     if frames["in"] > 0:
-        progress.tell(describe_results(args, out, frames))
+        progress.tell(describe_results(out, frames))
     elif not supervisor.faults:
         progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
     if supervisor.faults:
@@ -151,9 +146,9 @@ def conclude(supervisor, args, out, progress):
     return INTERRUPTED if supervisor.interrupts >= 2 else 0
 
 
-def describe_results(args, out, frames):
+def describe_results(out, frames):
     lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
-    truth = pathlib.Path(args.sequence, "groundtruth.txt")
+    truth = out / "truth.txt"
     estimate = out / "trajectory.txt"
     if truth.exists() and estimate.exists():
         try:

@@ -57,6 +57,23 @@ class BadInput(system.SystemTest):
         self.assert_refused(folder, "frontend failed", "brightness",
                             arguments=["--config", folder / "settings.yaml"])
 
+    def test_unknown_settings_section(self):
+        folder = self.copy("section")
+        (folder / "settings.yaml").write_text("front_end:\n  brightness: 7\n")
+        self.assert_refused(folder, "failed", "front_end", "no such section",
+                            arguments=["--config", folder / "settings.yaml"])
+
+    def test_empty_folder(self):
+        folder = self.folder / "empty"
+        folder.mkdir()
+        self.assert_refused(folder, "player failed", "empty: holds no sequence")
+
+    def test_mixed_sizes(self):
+        folder = self.copy("mixed")
+        for image in sorted((folder / "rgb").iterdir())[3:5]:
+            image.write_bytes(b"P5\n32 24\n255\n" + bytes(32 * 24))
+        self.assert_refused(folder, "player failed", "is 32 x 24 px", "640 x 480", "2 of 10")
+
     def test_one_bad_image_is_passed_over(self):
         folder = self.copy("one_bad")
         image = sorted((folder / "rgb").iterdir())[4]

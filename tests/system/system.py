@@ -64,9 +64,9 @@ class SystemTest(unittest.TestCase):
     def run_to_end(self, *arguments, **environment):
         return self.finish(self.start(*arguments, **environment))
 
-    def evaluate(self, out, truth_folder, *arguments):
+    def evaluate(self, out, truth_folder, *arguments, truth="groundtruth.txt"):
         done = subprocess.run(
-            [VPSLAM, "evaluate", out / "trajectory.txt", truth_folder / "groundtruth.txt",
+            [VPSLAM, "evaluate", out / "trajectory.txt", truth_folder / truth,
              "--json", *arguments], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/vp_metrics.h"
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 #include "vpdetector/line_extractor.h"
 #include "vpdetector/vp_estimator.h"
 

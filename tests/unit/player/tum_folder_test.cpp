@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
-#include <unistd.h>
 
 #include "player/source_factory.h"
+#include "tests/unit/player/sequence_folder.h"
 
 namespace vpslam {
 namespace {
@@ -20,35 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::SizeIs;
 
-/// A sequence of 64 x 48 px in a folder of its own. Frame i has the grey value 10 + i.
-class TumFolder : public ::testing::Test {
+/// Frame i has the grey value 10 + i.
+class TumFolder : public SequenceFolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() /
-              fmt::format("vpslam_tum_folder_{}_{}", getpid(),
-                          ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
+    SequenceFolderTest::SetUp();
     fs::create_directories(folder_ / "rgb");
-    Write("camera.yaml", "width: 64\nheight: 48\nfx: 60\nfy: 61\ncx: 31.5\ncy: 23.5\n");
-    options_.tell = [this](const std::string& line) { told_.push_back(line); };
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void Write(const std::string& name, const std::string& text) {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
+    Write("camera.yaml", kSmallCamera);
   }
   static std::string Name(int i, const char* ending = "png") {
     return fmt::format("rgb/{:04}.{}", i, ending);
-  }
-  void WriteImage(const std::string& name, int grey, int width = 64, int height = 48) {
-    cv::Mat image(height, width, CV_8UC1);
-    for (int v = 0; v < height; ++v) {
-      for (int u = 0; u < width; ++u) image.at<uint8_t>(v, u) = static_cast<uint8_t>(grey + u % 2);
-    }
-    ASSERT_TRUE(cv::imwrite((folder_ / name).string(), image));
   }
   void WriteSequence(int n) {
     std::string list = "# timestamp filename\n";
@@ -58,33 +41,6 @@ class TumFolder : public ::testing::Test {
     }
     Write("rgb.txt", list);
   }
-  void Truncate(const std::string& name, double fraction) {
-    const auto size = fs::file_size(folder_ / name);
-    fs::resize_file(folder_ / name, static_cast<uintmax_t>(fraction * static_cast<double>(size)));
-  }
-  std::unique_ptr<ImageSource> Open() { return OpenSource(folder_.string(), options_); }
-  std::vector<SourceFrame> PlayAll() {
-    const auto source = Open();
-    std::vector<SourceFrame> frames;
-    while (auto frame = source->Next()) frames.push_back(std::move(*frame));
-    summary_ = source->Summary();
-    return frames;
-  }
-  /// The line of the error that playing ends with; empty if it does not.
-  std::string Error() {
-    try {
-      PlayAll();
-    } catch (const std::runtime_error& e) {
-      EXPECT_THAT(e.what(), Not(HasSubstr("\n")));
-      return e.what();
-    }
-    return {};
-  }
-
-  fs::path folder_;
-  SourceOptions options_;
-  std::vector<std::string> told_;
-  std::string summary_;
 };
 
 TEST_F(TumFolder, PlaysImagesInOrder) {
@@ -255,17 +211,6 @@ TEST(RealSequences, OpenAndPlay) {
     EXPECT_EQ(frames, 3) << entry.path();
   }
   EXPECT_GT(sequences, 0) << data;
-}
-
-TEST(ParseStamp, ReadsDecimalSeconds) {
-  EXPECT_EQ(ParseStamp_us("0"), 0);
-  EXPECT_EQ(ParseStamp_us("0.000000"), 0);
-  EXPECT_EQ(ParseStamp_us("1305031229.528748"), 1305031229528748);
-  EXPECT_EQ(ParseStamp_us("1.7000020000333e9"), 1700002000033300);
-  EXPECT_EQ(ParseStamp_us("-0.5"), -500000);
-  for (const char* bad : {"", "a", "1.0s", "nan", "inf", "1e300"}) {
-    EXPECT_EQ(ParseStamp_us(bad), std::nullopt) << bad;
-  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ stream, but fails).
 
 import os
 import pathlib
+import shutil
 import signal
 import sys
 import time
@@ -54,6 +55,7 @@ while MISBEHAVIOUR == "hang" or not stopped:
     time.sleep(0.02)
 
 if NAME == "player":
+    shutil.copy(os.path.join(sys.argv[1], "groundtruth.txt"), option("--truth"))
     os.unlink(f"/dev/shm/vpslam-{option('--session')}")
 if NAME == "recorder":
     print(f"ends {'when stopped' if stopped else 'by itself'}", file=sys.stderr)

@@ -302,7 +302,7 @@ class BadInput(LauncherTest):
     def test_one_line(self):
         (self.folder / "file").write_text("")
         for arguments, expected in (
-                (["nowhere"], "nowhere: no such folder"),
+                (["nowhere"], "nowhere: no such folder, video or camera"),
                 (["room", "--camera", "none.yaml"], "none.yaml: no such file; check --camera"),
                 (["room", "--config", "none.yaml"], "none.yaml: no such file; check --config"),
                 (["room", "--set", "orb.levels=3"], "--set orb.levels=3: write it as"),

@@ -1,4 +1,4 @@
-#include "player/decode_image.h"
+#include "core/base/decode_image.h"
 
 #include <cstdint>
 #include <fstream>

@@ -1,0 +1,25 @@
+// The ASL folder layout of the EuRoC MAV data sets [Burri, Nikolic, Gohl, Schneider, Rehder, Omari,
+// Achtelik, Siegwart, IJRR 2016], of which the left camera is played:
+//   mav0/cam0/data.csv     lines `nanoseconds,file`, files in mav0/cam0/data/
+//   mav0/cam0/sensor.yaml  resolution, intrinsics, radial-tangential distortion, rate, and T_BS,
+//   the
+//                          pose of the camera in the body's frame
+//   mav0/state_groundtruth_estimate0/data.csv   optional: lines
+//                          `nanoseconds,px,py,pz,qw,qx,qy,qz,...`, the body in the world, m
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "player/image_source.h"
+
+namespace vpslam {
+
+/// True for the folder that holds mav0/, and for mav0/ itself.
+bool IsEurocFolder(const std::string& path);
+
+/// Truth is that of the camera, world_from_body * body_from_cam. Throws std::runtime_error with one
+/// line naming file, fault and remedy.
+std::unique_ptr<ImageSource> OpenEurocFolder(const std::string& path, const SourceOptions& options);
+
+}  // namespace vpslam

@@ -1,0 +1,18 @@
+// A plain folder of images, in natural order of their names and at a constant rate, which --fps or
+// the calibration says; `camera.yaml` in the folder, or --camera.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "player/image_source.h"
+
+namespace vpslam {
+
+/// True for a folder with at least one image.
+bool IsImageFolder(const std::string& path);
+
+/// Throws std::runtime_error with one line naming file, fault and remedy.
+std::unique_ptr<ImageSource> OpenImageFolder(const std::string& path, const SourceOptions& options);
+
+}  // namespace vpslam

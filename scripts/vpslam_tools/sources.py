@@ -1,0 +1,39 @@
+"""What `vpslam run` has to know of the player's sources; their formats are the player's matter."""
+
+import pathlib
+import re
+
+from vpslam_tools.errors import UserError
+
+OPTIONS = ["source", "camera", "fps", "width", "height"]  # passed on to the player
+NOT_A_PATH = re.compile(r"sim:|camera:|\w+://")
+
+
+def add_arguments(parser):
+    parser.add_argument("sequence", metavar="SEQUENCE",
+                        help="folder of a sequence (TUM RGB-D, EuRoC, KITTI, ICL-NUIM, or plain "
+                        "images), video file, live camera (camera:0), or a simulated place "
+                        "(sim:room, sim:corridor)")
+    parser.add_argument("--source", metavar="KIND",
+                        help="kind of SEQUENCE, if not the one that is recognised: sim, camera, icl, "
+                        "tum, euroc, kitti, images, video")
+    parser.add_argument("--camera", metavar="FILE",
+                        help="calibration, such as those in config/cameras; default: the "
+                        "sequence's own")
+    parser.add_argument("--fps", metavar="HZ", help="rate of plain images, a video or a camera")
+    parser.add_argument("--width", metavar="PX", help="asked of a live camera")
+    parser.add_argument("--height", metavar="PX", help="asked of a live camera")
+
+
+def check(args):
+    """What need not wait until the processes are up; the rest the player checks."""
+    if not NOT_A_PATH.match(args.sequence) and not pathlib.Path(args.sequence).exists():
+        raise UserError(f"{args.sequence}: no such folder, video or camera; for a first try there is "
+                        "sim:room")
+
+
+def short_name(sequence):
+    """For a results folder."""
+    if not NOT_A_PATH.match(sequence):
+        sequence = pathlib.Path(sequence).resolve().name
+    return re.sub(r"[^\w.]+", "-", sequence).strip("-") or "run"

@@ -1,0 +1,71 @@
+#include "player/image_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "player/folder_reading.h"
+#include "tests/unit/player/sequence_folder.h"
+
+namespace vpslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class ImageFolder : public SequenceFolderTest {
+ protected:
+  void WriteSequence(int n) {
+    for (int i = 0; i < n; ++i) WriteImage(fmt::format("shot{}.png", i), 10 + i);
+    Write("notes.txt", "not an image");
+    Write(".hidden.png", "neither");
+    Write("camera.yaml", std::string(kSmallCamera) + "fps: 25\n");
+  }
+};
+
+TEST_F(ImageFolder, PlaysInNaturalOrderAtTheCalibrationsRate) {
+  WriteSequence(12);
+  const auto frames = PlayAll();
+  ASSERT_EQ(frames.size(), 12u);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[i].stamp_us, 40'000 * i);
+    EXPECT_EQ(frames[i].grey.at<uint8_t>(0, 0), 10 + i);
+  }
+  EXPECT_EQ(Open()->camera().fps, 25);
+}
+
+TEST_F(ImageFolder, TakesTheRateThatIsAskedFor) {
+  WriteSequence(3);
+  options_.fps = 10;
+  EXPECT_EQ(PlayAll().back().stamp_us, 200'000);
+  EXPECT_EQ(Open()->camera().fps, 10);
+}
+
+TEST_F(ImageFolder, NamesWhatIsWrong) {
+  EXPECT_THAT(Error(), AllOf(HasSubstr(folder_.string()), HasSubstr("no images")));
+  options_.kind = "images";
+  EXPECT_THAT(Error(), AllOf(HasSubstr(folder_.string()), HasSubstr("holds no image")));
+  WriteImage("a.png", 1);
+  EXPECT_THAT(Error(), AllOf(HasSubstr("camera.yaml"), HasSubstr("--camera")));
+  WriteSequence(4);
+  WriteImage("shot2.png", 1, 48, 64);
+  EXPECT_EQ(PlayAll().size(), 4u);
+  EXPECT_THAT(told_, ElementsAre(AllOf(HasSubstr("shot2.png"), HasSubstr("48 x 64"))));
+  EXPECT_THAT(summary_, HasSubstr("1 bad"));
+  WriteImage("shot3.png", 1, 48, 64);
+  EXPECT_THAT(Error(), AllOf(HasSubstr("shot3.png"), HasSubstr("2 of 5")));
+}
+
+TEST(NaturalOrder, ComparesNumbersByValue) {
+  EXPECT_TRUE(NaturallyBefore("a2.png", "a10.png"));
+  EXPECT_FALSE(NaturallyBefore("a10.png", "a2.png"));
+  EXPECT_TRUE(NaturallyBefore("0009.png", "10.png"));
+  EXPECT_TRUE(NaturallyBefore("a.png", "b.png"));
+  EXPECT_TRUE(NaturallyBefore("1-2", "1-10"));
+  EXPECT_TRUE(NaturallyBefore("a", "ab"));
+  EXPECT_FALSE(NaturallyBefore("a1", "a1"));
+  EXPECT_NE(NaturallyBefore("a01", "a1"), NaturallyBefore("a1", "a01"));
+}
+
+}  // namespace
+}  // namespace vpslam
