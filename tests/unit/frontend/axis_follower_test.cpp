@@ -27,7 +27,8 @@ std::vector<Eigen::Matrix3d> AllNamings() {
   };
   std::vector<Eigen::Matrix3d> all{Eigen::Matrix3d::Identity()};
   for (size_t i = 0; i < all.size(); ++i) {
-    for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
+    for (const int axis_index : {0, 1}) {
+      const Eigen::Vector3d axis = Eigen::Vector3d::Unit(axis_index);
       const Eigen::Matrix3d next = turn(axis) * all[i];
       if (std::none_of(all.begin(), all.end(),
                        [&](const auto& known) { return (known - next).norm() < 0.1; })) {
@@ -90,7 +91,7 @@ TEST(AxisFollower, FollowsATurnWhateverTheDetectorCallsTheAxes) {
   AxisFollower follower({});
   const Eigen::Vector3d step_rad = 1.5 * kRadPerDeg * Eigen::Vector3d(0.6, 0.8, 0);
   Eigen::Quaterniond truth = RandomRotation(random);
-  std::optional<Eigen::Quaterniond> first;  // truth^-1 followed: constant if names stay
+  std::optional<Eigen::Quaterniond> first;     // truth^-1 followed: constant if names stay
   for (int frame = 0; frame < 400; ++frame) {  // more than one and a half turns
     truth = ExpSo3(step_rad) * truth;
     follower.Predict(Eigen::Quaterniond::Identity(), Turning(3));
