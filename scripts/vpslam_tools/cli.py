@@ -3,11 +3,8 @@
 import argparse
 import sys
 
-<<<<<<< HEAD
-from vpslam_tools import demo_command, evaluate_command, install_build, run_command
-=======
-from vpslam_tools import bench_command, evaluate_command, install_build, run_command
->>>>>>> vpd
+from vpslam_tools import (bench_command, demo_command, evaluate_command, install_build,
+                          run_command)
 from vpslam_tools.errors import UserError
 
 

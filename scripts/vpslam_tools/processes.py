@@ -11,11 +11,8 @@ from vpslam_tools import paths, sources
 
 DETECTOR = "vpdetector"
 # What summary.json says of how a run was started.
-<<<<<<< HEAD
-TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace", "preset", "start", "frames"]
-=======
-TOLD_OPTIONS = ["sequence", "camera", "config", "set", "pace", "preset", "detectors", "start",
-                "frames"]
+TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace", "preset", "detectors",
+                "start", "frames"]
 
 
 def detectors(options):
@@ -26,7 +23,6 @@ def detectors(options):
 def graph(options):
     """Names from the source downstream; the player ends first, the recorder last."""
     return ["player", *detectors(options), "frontend", "backend", "recorder"]
->>>>>>> vpd
 
 
 def command_lines(options, url, session, out):
