@@ -37,7 +37,7 @@ struct PointCreatorOptions {
   double max_parallax_cosine = 0.9998;   ///< 1.15 degrees: less says nothing about depth
   double max_parallax_rad = 0.5;         ///< between the rays: descriptors do not stand more
   double max_scale_mismatch = 1.8;       ///< ratio of distances against ratio of octaves
-  int max_distance = 50;                 ///< Hamming
+  int max_distance = 60;                 ///< Hamming
   double ratio = 0.9;                    ///< of descriptor distances, best to best elsewhere
   double min_depth_share = 0.3;          ///< of the depth that 95 % of the points exceed
 

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "backend/point_view.h"
-#include "core/estimation/robust.h"
 #include "core/features/matcher.h"
 #include "core/map/visibility.h"
 
@@ -37,11 +36,9 @@ class Fuser {
       query.radius_px = static_cast<float>(options_.radius_px * scales_.scale(view->octave));
       query.octaves = {std::max(0, view->octave - 1), view->octave + 1};
       query.max_distance = options_.max_distance;
+      query.accuracy = &scales_;
       const auto match = BestMatchInWindow(point->descriptor, query, stored.features, stored.grid);
       if (!match) continue;
-      const Keypoint& keypoint = stored.features.keypoints[match->index];
-      const double error2 = (keypoint.Position() - view->px).squaredNorm();
-      if (error2 > kChi2Dof2 * scales_.sigma2(keypoint.octave)) continue;
       Join(id, keyframe, match->index);
     }
   }

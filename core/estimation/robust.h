@@ -1,15 +1,11 @@
-// Huber's loss and the chi-square gates that go with it.
+// Huber's loss; the gates that go with it are in core/geometry/chi_square.h.
 #pragma once
 
 #include <cmath>
 
-namespace vpslam {
+#include "core/geometry/chi_square.h"
 
-/// 95 % quantiles of chi2 with one, two and three degrees of freedom: a gate on squared, whitened
-/// residuals which one good measurement in twenty fails.
-inline constexpr double kChi2Dof1 = 3.841;
-inline constexpr double kChi2Dof2 = 5.991;
-inline constexpr double kChi2Dof3 = 7.815;
+namespace vpslam {
 
 /// Weight w(s) of iteratively re-weighted least squares for the squared, whitened residual s:
 /// quadratic below delta2 = delta^2, linear beyond.

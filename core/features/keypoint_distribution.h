@@ -13,10 +13,10 @@
 namespace vpslam {
 
 /// With the strongest corners alone, half again as many are matched between images as with an even
-/// spread, but they cover half of the image only; these defaults keep most of both. Lengths are in
-/// units of the fair spacing sqrt(area / number wanted).
+/// spread, but they cover half of the image only, and drift grows. Lengths are in units of the fair
+/// spacing sqrt(area / number wanted).
 struct DistributionOptions {
-  double min_spacing = 0.2;  ///< half the side of the square that a corner keeps free of others
+  double min_spacing = 0.4;  ///< half the side of the square that a corner keeps free of others
   double cell = 1.22;        ///< side of the cells whose best corner is kept before all others
 
   template <class V>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/geometry/chi_square.h"
+
 namespace vpslam {
 namespace {
 
@@ -90,6 +92,11 @@ std::optional<WindowMatch> BestMatchInWindow(const Descriptor& descriptor, const
   TwoBest best;
   grid.ForEachInRadius(query.x_px, query.y_px, query.radius_px, query.octaves, [&](int i) {
     if (!taken.empty() && taken[i]) return;
+    if (query.accuracy) {
+      const Keypoint& k = features.keypoints[i];
+      const double dx = k.x_px - query.x_px, dy = k.y_px - query.y_px;
+      if (dx * dx + dy * dy > kChi2Dof2 * query.accuracy->sigma2(k.octave)) return;
+    }
     best.Offer(i, Distance(descriptor, features.descriptors[i]));
   });
   if (best.index < 0 || best.distance > query.max_distance) return std::nullopt;

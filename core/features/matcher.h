@@ -60,6 +60,9 @@ struct WindowQuery {
   /// Applied when best and runner-up have the same octave: a neighbouring octave often shows the
   /// same corner once more, which is no ambiguity. 1 or more: never.
   float ratio = 1.0f;
+  /// If given, only candidates that pass the chi-square gate of their octave count: the best
+  /// descriptor must not hide one that is where it should be.
+  const ScalePyramid* accuracy = nullptr;
 };
 
 struct WindowMatch {

@@ -23,7 +23,7 @@ struct OrbOptions {
   int num_features = 1000;     ///< to be found per image, over all levels; an upper limit
   int num_levels = 8;          ///< of the pyramid; tiny images get fewer
   double scale_factor = 1.2;   ///< between levels
-  double sigma_px = 0.5;       ///< accuracy of a corner on level 0: what bundle adjustment leaves
+  double sigma_px = 0.9;       ///< accuracy of a corner on level 0, with that of the calibration
   int fast_threshold = 20;     ///< grey levels by which a corner's arc differs from its centre
   int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level

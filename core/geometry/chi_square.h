@@ -3,8 +3,10 @@
 
 namespace vpslam {
 
-/// 95 % of chi-square with one and with two degrees of freedom.
-constexpr double kChi2Dof1 = 3.841;
-constexpr double kChi2Dof2 = 5.991;
+/// 95 % quantiles of chi-square with one, two and three degrees of freedom: a gate on squared,
+/// whitened residuals which one good measurement in twenty fails.
+inline constexpr double kChi2Dof1 = 3.841;
+inline constexpr double kChi2Dof2 = 5.991;
+inline constexpr double kChi2Dof3 = 7.815;
 
 }  // namespace vpslam

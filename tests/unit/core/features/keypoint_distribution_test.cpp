@@ -47,7 +47,7 @@ TEST(KeypointDistribution, PrefersTheStrong) {
   KeypointDistribution().Select(kSize, 300, &kept);
   int strong = 0;
   for (const Corner& c : kept) strong += c.score >= 60;
-  EXPECT_GT(strong, 90);  // an even spread has 30 of them, in the left tenth
+  EXPECT_GT(strong, 50);  // an even spread has 30 of them, in the left tenth
   // Nobody who was left out is stronger than all that were kept around it: fair spacing is 32 px,
   // cells are 39 px wide.
   for (const Corner& c : all) {
