@@ -55,25 +55,37 @@ Eigen::Vector3d ErrorVector(const Eigen::Quaterniond& measured, const Eigen::Qua
   return LogSo3(truth * Eigen::Quaterniond(named).conjugate());
 }
 
-/// world_from_manhattan that fits all images best, by averaging over those that were followed.
+/// world_from_manhattan that most images agree with, up to 5 degrees, refined over those.
 std::optional<Eigen::Quaterniond> FitWorld(const std::vector<Seen>& frames) {
-  std::optional<Eigen::Quaterniond> world;
-  for (int round = 0; round < 5; ++round) {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (const Seen& f : frames) {
-      if (!f.followed || !f.world_from_cam) continue;
-      const Eigen::Matrix3d r = (*f.world_from_cam * *f.followed).toRotationMatrix();
-      if (!world) world = Eigen::Quaterniond(r);
-      const Eigen::Matrix3d named = r * NearestNaming(r, world->toRotationMatrix()).Matrix();
-      if (AngleBetween_rad(Eigen::Quaterniond(named), *world) * kDegPerRad < 10) sum += named;
+  constexpr double kAgree_deg = 5;
+  std::vector<Eigen::Quaterniond> votes;
+  for (const Seen& f : frames) {
+    if (f.world_from_cam && f.lines.manhattan != ManhattanState::kNone) {
+      votes.push_back(*f.world_from_cam * f.lines.cam_from_manhattan);
     }
-    if (!world) return std::nullopt;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
-    if (r.determinant() < 0) break;
-    world = Eigen::Quaterniond(r);
   }
-  return world;
+  const auto average = [&](const Eigen::Quaterniond& about, int* agreeing) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    *agreeing = 0;
+    for (const Eigen::Quaterniond& vote : votes) {
+      const Eigen::Vector3d e = ErrorVector(vote, about);
+      if (e.norm() * kDegPerRad > kAgree_deg) continue;
+      sum += (ExpSo3(-e) * about).toRotationMatrix();
+      ++*agreeing;
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
+  };
+  std::optional<Eigen::Quaterniond> best;
+  int most = 0, agreeing = 0;
+  for (size_t i = 0; i < votes.size(); i += std::max<size_t>(1, votes.size() / 50)) {
+    const Eigen::Quaterniond world = average(votes[i], &agreeing);
+    if (agreeing <= most) continue;
+    most = agreeing;
+    best = world;
+  }
+  for (int round = 0; best && round < 5; ++round) best = average(*best, &agreeing);
+  return best;
 }
 
 std::vector<Seen> Watch(ImageSource& source, const Detector& detector, AxisFollower& follower,
@@ -136,14 +148,20 @@ void Report(const std::string& name, const std::vector<Seen>& frames, bool world
       if (facing > std::cos(5 / kDegPerRad)) frontal_deg.push_back(e.norm() * kDegPerRad);
     }
     std::cout << fmt::format(
-        "- rotation error of single images (deg, {}): median {:.3f}, 95 % {:.3f}, max {:.2f}; "
+        "- rotation error of single images (deg, {}): median {:.3f}, 95 % {:.3f}, max {:.2f}, "
+        "under "
+        "5 in {:.1f} %; "
         "fronto-parallel ({} images): median {:.3f}, 95 % {:.3f}\n"
         "- covariance: error squared over covariance, of 3: mean {:.2f}, median {:.2f}, 95 % "
         "{:.1f}\n",
         world_axes ? "axes of the world" : "axes fitted to the sequence", Quantile(errors_deg, 0.5),
-        Quantile(errors_deg, 0.95), Quantile(errors_deg, 1), frontal_deg.size(),
-        Quantile(frontal_deg, 0.5), Quantile(frontal_deg, 0.95), Mean(nees), Quantile(nees, 0.5),
-        Quantile(nees, 0.95));
+        Quantile(errors_deg, 0.95), Quantile(errors_deg, 1),
+        100.0 *
+            static_cast<double>(std::count_if(errors_deg.begin(), errors_deg.end(),
+                                              [](double e) { return e < 5; })) /
+            static_cast<double>(errors_deg.size()),
+        frontal_deg.size(), Quantile(frontal_deg, 0.5), Quantile(frontal_deg, 0.95), Mean(nees),
+        Quantile(nees, 0.5), Quantile(nees, 0.95));
   }
   // Over 1 s, both ends followed under the same names.
   std::vector<double> relative_deg;
