@@ -43,8 +43,9 @@ struct AxisFollowerOptions {
   /// Born after so many acceptable measurements in a row that agree, each with the prediction from
   /// those before.
   int frames_to_birth = 3;
-  /// Lost when the prediction is less certain than that ...
-  double max_predicted_sigma_deg = 15.0;
+  /// Lost when the prediction is less certain than that: names change at 45 degrees, and three
+  /// sigmas should stay within half of it ...
+  double max_predicted_sigma_deg = 7.5;
   /// ... or after so many measurements in a row that are good in themselves, but do not fit.
   int misfits_to_loss = 10;
 
