@@ -81,7 +81,8 @@ void ManhattanFrame::Update(const Map& map) {
 void ManhattanFrame::TryBirth(const Map& map) {
   if (static_cast<int>(entries_.size()) < options_.keyframes_to_birth) return;
   auto at = std::prev(entries_.end());
-  const Eigen::Quaterniond latest = WorldFromManhattan(at->second.measurement, *map.Find(at->first));
+  const Eigen::Quaterniond latest =
+      WorldFromManhattan(at->second.measurement, *map.Find(at->first));
   MeanRotation mean(latest);
   std::vector<Eigen::Quaterniond> all;
   for (int i = 0; i < options_.keyframes_to_birth; ++i, --at) {

@@ -1,4 +1,5 @@
-// The Manhattan frame of a map: three orthogonal directions of the world that vanishing points show.
+// The Manhattan frame of a map: three orthogonal directions of the world that vanishing points
+// show.
 //
 // It is born when several keyframes in a row agree about it, is the mean of what all keyframes of
 // the map say (never frozen at what the first one said, as the paper's section III-B does), and is

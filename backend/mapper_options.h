@@ -90,7 +90,7 @@ struct CullingOptions {
 
 /// The Manhattan axes as seen by keyframes, and as a frame of the map.
 struct ManhattanOptions {
-  bool enabled = false;        ///< hold bundle adjustment to the frame; needs detectors
+  bool enabled = true;         ///< hold bundle adjustment to the frame; needs detectors
   int min_support = 5;         ///< distinct lines that at least two axes need
   double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
   /// Floor of the measurement's standard deviations, for detectors are more certain than they are

@@ -36,8 +36,8 @@ void Run(const Arguments& arguments) {
                   arguments.seed);
   Mapper mapper(source->camera(),
                 LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set));
-  const Detector detector(
-      source->camera(), LoadSettings<DetectorOptions>(arguments.config, "vpdetector", arguments.set));
+  const Detector detector(source->camera(), LoadSettings<DetectorOptions>(
+                                                arguments.config, "vpdetector", arguments.set));
   RunRecord record;
   const auto take = [&](const Tracker::Output& output) {
     for (const FramePose& pose : output.poses) {

@@ -20,7 +20,7 @@ struct Frame {
   int64_t published_us = 0;
   Features features;
   FeatureGrid grid;
-  std::vector<PointId> points;  ///< per feature; invalid where none is matched
+  std::vector<PointId> points;           ///< per feature; invalid where none is matched
   std::shared_ptr<const LineSet> lines;  ///< nullptr without a detector
   SE3 cam_from_world;
   Matrix6d covariance = Matrix6d::Zero();

@@ -15,7 +15,7 @@ bool RotationCost::Evaluate(double const* const* parameters, double* residuals,
   // Log(E Exp(-w)) = e - J_r^-1(e) w to first order.
   Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> by_pose(jacobians[0]);
   by_pose.setZero();
-  by_pose.leftCols<3>() = -square_root_information_ * InverseRightJacobianSo3(error);
+  by_pose.middleCols<3>(3) = -square_root_information_ * InverseRightJacobianSo3(error);
   return true;
 }
 

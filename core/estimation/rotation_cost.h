@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-
 #include <ceres/sized_cost_function.h>
 
 namespace vpslam {
@@ -15,8 +14,7 @@ class RotationCost final : public ceres::SizedCostFunction<3, 7> {
  public:
   /// `square_root_information`: W with W^T W the inverse covariance (1 / rad^2) of the measured
   /// rotation's left perturbation.
-  RotationCost(const Eigen::Quaterniond& cam_from_frame,
-               const Eigen::Quaterniond& world_from_frame,
+  RotationCost(const Eigen::Quaterniond& cam_from_frame, const Eigen::Quaterniond& world_from_frame,
                const Eigen::Matrix3d& square_root_information)
       : cam_from_frame_(cam_from_frame),
         world_from_frame_(world_from_frame),
