@@ -95,7 +95,7 @@ struct ManhattanOptions {
   double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
   /// Floor of the measurement's standard deviations, for detectors are more certain than they are
   /// right, and err alike in images that are alike.
-  double min_sigma_deg = 0.25;
+  double min_sigma_deg = 0.3;
   double max_innovation_deg = 3.0;  ///< between measurement and map: beyond it is not used
   /// The frame is born when as many keyframes in a row agree ...
   int keyframes_to_birth = 5;
