@@ -13,6 +13,8 @@ namespace {
 /// As many iterations as it takes.
 const LocalBaOptions kThorough{.max_iterations = 50, .function_tolerance = 1e-10};
 
+const ManhattanFrame kNoAxes{ManhattanOptions()};
+
 /// Keyframes side by side at their true places, and all points that two of them show.
 struct Fixture {
   explicit Fixture(int num_keyframes, uint64_t seed, const SyntheticOptions& options = {})
@@ -46,7 +48,7 @@ struct Fixture {
     }
   }
   BaSummary Adjust(const LocalBaOptions& options = kThorough) {
-    return AdjustLocally(last(), scene.camera, scene.scales, map.store, options,
+    return AdjustLocally(last(), scene.camera, scene.scales, map.store, kNoAxes, options,
                          options.max_iterations, &map.map);
   }
   std::vector<Eigen::Vector3d> Centers() const {
@@ -244,7 +246,7 @@ TEST(LocalBa, NothingToAdjust) {
   SyntheticMap map(scene);
   const KeyframeId k = map.AddKeyframe(scene.Look(PoseAt({0, 0, 0})));
   const BaSummary summary =
-      AdjustLocally(k, scene.camera, scene.scales, map.store, {}, 10, &map.map);
+      AdjustLocally(k, scene.camera, scene.scales, map.store, kNoAxes, {}, 10, &map.map);
   EXPECT_EQ(summary.observations, 0);
   EXPECT_EQ(map.map.Find(k)->cam_from_world.translation, Eigen::Vector3d::Zero());
 }
