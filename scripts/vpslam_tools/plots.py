@@ -10,7 +10,8 @@ from vpslam_tools.alignment import align
 from vpslam_tools.errors import UserError
 from vpslam_tools.figure_style import STYLE, TRUTH_COLOUR, WIDTH_IN, colour, line_style, pyplot, write
 
-GAP_S = 0.5       # a longer time without a pose is drawn as a gap
+GAP_S = 0.5          # a longer time without a pose is drawn as a gap
+LEAST_SHARE = 0.3    # height of a flat view, of the largest extent
 
 
 def trajectory_figure(truth, estimates, path, title="", with_scale=True):
@@ -24,16 +25,13 @@ def trajectory_figure(truth, estimates, path, title="", with_scale=True):
     first, second = _plane(truth.positions)
     third = 3 - first - second
     with pyplot().rc_context(STYLE):
-        figure = pyplot().figure(figsize=(WIDTH_IN, 0.6 * WIDTH_IN), layout="constrained")
-        left, right = figure.subfigures(1, 2)
-        above, side = left.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": _heights(
-            truth.positions, second, third)})
+        figure = pyplot().figure(figsize=(WIDTH_IN, 0.72 * WIDTH_IN), layout="constrained")
+        grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
+        above, side = (figure.add_subplot(grid[0, column]) for column in (0, 1))
         _draw_view(above, truth, aligned, (first, second), "trajectory, from above")
         _draw_view(side, truth, aligned, (first, third), "from the side")
-        above.tick_params(labelbottom=False)
-        above.set_xlabel("")
         above.legend(loc="best", handlelength=2.2)
-        _draw_error(right.subplots(), truth, aligned)
+        _draw_error(figure.add_subplot(grid[1, :]), truth, aligned)
         if title:
             figure.suptitle(title, fontsize=9)
         return write(figure, path)
@@ -56,10 +54,11 @@ def _plane(positions):
     return sorted(np.argsort(-spread, kind="stable")[:2])
 
 
-def _heights(positions, second, third):
-    """Of the two views, so that both have the same scale; the flat one keeps a quarter."""
-    spread = np.ptp(positions, axis=0)
-    return [1, min(1.0, max(0.25, float(spread[third] / max(spread[second], 1e-9))))]
+def _limits(low, high, largest):
+    """With a margin; a flat view keeps some height."""
+    middle, half = (low + high) / 2, max(0.5 * (high - low), LEAST_SHARE * largest / 2)
+    half += 0.05 * largest
+    return middle - half, middle + half
 
 
 def _with_gaps(stamps_s, values):
@@ -81,8 +80,12 @@ def _draw_view(axes, truth, aligned, axes_shown, title):
     axes.plot(start[first], start[second], "o", color="black", markersize=4, label="start")
     axes.plot(end[first], end[second], "s", color="black", markersize=4, markerfacecolor="white",
               label="end")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.08)
+    shown = np.vstack([truth.positions] + [positions for positions, _, _, _ in aligned.values()])
+    low, high = shown.min(axis=0), shown.max(axis=0)
+    largest = max(1e-9, float(np.max(high - low)))
+    axes.set_xlim(*_limits(low[first], high[first], largest))
+    axes.set_ylim(*_limits(low[second], high[second], largest))
+    axes.set_aspect("equal", adjustable="box")
     axes.set_xlabel(f"{'xyz'[first]} (m)")
     axes.set_ylabel(f"{'xyz'[second]} (m)")
     axes.set_title(title, loc="left")
@@ -93,13 +96,13 @@ def _draw_error(axes, truth, aligned):
     for index, (label, (_, _, stamps_s, error_m)) in enumerate(aligned.items()):
         times, errors = _with_gaps(stamps_s - begin_s, error_m)
         rmse = float(np.sqrt(np.mean(error_m ** 2)))
-        axes.plot(times, 1000 * errors, color=colour(index), linewidth=1.0,
-                  linestyle=line_style(index), label=f"{label}: ATE {1000 * rmse:.1f} mm (rmse)")
-        axes.axhline(1000 * rmse, color=colour(index), linewidth=0.6, alpha=0.6)
+        axes.plot(times, errors, color=colour(index), linewidth=1.0,
+                  linestyle=line_style(index), label=f"{label}: ATE {rmse:.4f} m (rmse)")
+        axes.axhline(rmse, color=colour(index), linewidth=0.6, alpha=0.6)
     axes.set_xlim(0, truth.stamps_s[-1] - begin_s)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("distance from the truth (mm)")
+    axes.set_ylabel("distance from the truth (m)")
     axes.set_title("absolute trajectory error", loc="left")
     axes.legend(loc="upper left")
 

@@ -31,6 +31,7 @@ def time_figure(total_ms_by_label, path, title="", interval_ms=None):
         axes.set_xlim(0, edges[-1])
         axes.set_xlabel("image published to pose published (ms); last bin: and longer")
         axes.set_ylabel("frames")
-        axes.legend(loc="upper right")
+        if pools:
+            axes.legend(loc="upper right")
         figure.suptitle(title, fontsize=9)
         return write(figure, path)

@@ -4,8 +4,11 @@ import os
 import pathlib
 import platform
 import shlex
+import shutil
+import subprocess
 import sys
 
+from vpslam_tools import paths
 from vpslam_tools.benchmark import scores, tables, timing
 from vpslam_tools.benchmark.runs import write_json
 from vpslam_tools.errors import UserError
@@ -31,7 +34,8 @@ def write(suite, found, missing, runs, args, out):
     per_sequence = [(name, pace, timing.summarise(own)) for (name, pace), own in times.items() if own]
     per_pace = {pace: timing.summarise([each for (_, other), own in times.items() if other == pace
                                         for each in own]) for pace in paces}
-    commits = sorted({run["summary"]["commit"] for run in runs if "summary" in run})
+    commits = [revision()] if revision() else sorted(
+        {run["summary"]["commit"] for run in runs if "summary" in run})
     command = shlex.join(["scripts/vpslam", "bench", *sys.argv[2:]])
     text = _text(suite, command, commits, entries, paces, missing, per_pace, per_sequence, args)
     (out / "results.md").write_text(text)
@@ -52,6 +56,18 @@ def write(suite, found, missing, runs, args, out):
 
 def _of(runs, found, pace):
     return [run for run in runs if run["sequence"] == found.sequence.name and run["pace"] == pace]
+
+
+def revision():
+    """Commit of the source tree, "+" if files differ from it; None in an installation. Programs carry
+    that of the last configuration only."""
+    def git(*words):
+        return subprocess.run(["git", "-C", str(paths.ROOT), *words], stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, text=True).stdout.strip()
+    if not paths.IN_SOURCE_TREE or not shutil.which("git"):
+        return None
+    commit = git("rev-parse", "--short=12", "HEAD")
+    return commit and commit + "+" * bool(git("status", "--porcelain", "--untracked-files=no"))
 
 
 def _machine():
