@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
 #include "backend/point_view.h"
 #include "core/estimation/point_cost.h"
 #include "core/estimation/point_residual.h"
 #include "core/estimation/robust.h"
+#include "core/estimation/rotation_cost.h"
 #include "core/estimation/se3_manifold.h"
 
 namespace vpslam {
@@ -61,7 +63,7 @@ Window ChooseWindow(KeyframeId id, const LocalBaOptions& options, const Map& map
 class Adjustment {
  public:
   Adjustment(const Window& window, const Camera& camera, const ScalePyramid& scales,
-             const KeyframeStore& store, const Map& map)
+             const KeyframeStore& store, const ManhattanFrame& manhattan, const Map& map)
       : window_(window),
         camera_(camera),
         scales_(scales),
@@ -76,6 +78,7 @@ class Adjustment {
     }
     positions_.reserve(window.points.size());
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
+    for (const KeyframeId id : window.moved) AddRotation(id, manhattan);
   }
 
   BaSummary Solve(int max_iterations, double function_tolerance) {
@@ -142,12 +145,24 @@ class Adjustment {
     }
   }
 
+  void AddRotation(KeyframeId id, const ManhattanFrame& manhattan) {
+    const ManhattanMeasurement* measured = manhattan.Find(id);
+    double* pose = poses_.at(id);
+    if (!measured || !problem_.HasParameterBlock(pose)) return;
+    const Eigen::LLT<Eigen::Matrix3d> information(measured->covariance_rad2.inverse());
+    rotation_costs_.emplace_back(measured->cam_from_manhattan, *manhattan.world_from_manhattan(),
+                                 information.matrixU());
+    problem_.AddResidualBlock(&rotation_costs_.back(), &rotation_loss_, pose);
+  }
+
   const Window& window_;
   const Camera& camera_;
   const ScalePyramid& scales_;
   Se3Manifold manifold_;
   ceres::HuberLoss loss_{std::sqrt(kChi2Dof2)};
+  ceres::HuberLoss rotation_loss_{std::sqrt(kChi2Dof3)};
   std::deque<PointCost> costs_;
+  std::deque<RotationCost> rotation_costs_;
   // Ceres orders the blocks of a group by their addresses, and rounding depends on that order. So
   // the blocks lie one after the other by id, wherever the heap happens to have room.
   std::vector<PoseParameters> pose_storage_;
@@ -181,12 +196,12 @@ int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyrami
 }  // namespace
 
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
-                        const KeyframeStore& store, const LocalBaOptions& options,
-                        int max_iterations, Map* map) {
+                        const KeyframeStore& store, const ManhattanFrame& manhattan,
+                        const LocalBaOptions& options, int max_iterations, Map* map) {
   Window window = ChooseWindow(keyframe, options, *map);
   BaSummary summary;
   for (int round = 0; round < options.rounds; ++round) {
-    Adjustment adjustment(window, camera, scales, store, *map);
+    Adjustment adjustment(window, camera, scales, store, manhattan, *map);
     summary = adjustment.Solve(max_iterations, options.function_tolerance);
     adjustment.WriteBack(map);
     summary.outliers = RemoveOutliers(window, camera, scales, store, map);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backend/keyframe_store.h"
+#include "backend/manhattan_frame.h"
 #include "backend/mapper_options.h"
 #include "core/features/scale_levels.h"
 #include "core/geometry/camera.h"
@@ -25,9 +26,9 @@ struct BaSummary {
 };
 
 /// Adjusts around `keyframe`; removes observations that fail the chi-square gate afterwards, and
-/// updates the views of the points moved.
+/// updates the views of the points moved. Keyframes are held to the axes of `manhattan`.
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
-                        const KeyframeStore& store, const LocalBaOptions& options,
-                        int max_iterations, Map* map);
+                        const KeyframeStore& store, const ManhattanFrame& manhattan,
+                        const LocalBaOptions& options, int max_iterations, Map* map);
 
 }  // namespace vpslam

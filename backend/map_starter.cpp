@@ -1,6 +1,7 @@
 #include "backend/map_starter.h"
 
 #include "backend/local_ba.h"
+#include "backend/manhattan_frame.h"
 #include "backend/point_view.h"
 
 namespace vpslam {
@@ -33,7 +34,9 @@ std::vector<PointId> StartMap(const KeyframeProposal& first, const KeyframePropo
     UpdateDescriptor(id, store, map);
     points.push_back(id);
   }
-  AdjustLocally(second.id, camera, scales, store, options, options.max_iterations_to_start, map);
+  const ManhattanFrame none{ManhattanOptions()};
+  AdjustLocally(second.id, camera, scales, store, none, options, options.max_iterations_to_start,
+                map);
   return points;
 }
 

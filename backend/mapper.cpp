@@ -5,6 +5,7 @@
 #include "backend/culling.h"
 #include "backend/keyframe_store.h"
 #include "backend/local_ba.h"
+#include "backend/manhattan_frame.h"
 #include "backend/map_starter.h"
 #include "backend/point_creator.h"
 #include "backend/point_fuser.h"
@@ -21,6 +22,7 @@ class Mapper::Impl {
         bounds_(camera.UndistortedBounds()),
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
+        manhattan_(options.manhattan),
         probation_(options.culling) {}
 
   std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
@@ -51,6 +53,7 @@ class Mapper::Impl {
     stored.features = proposal.features;
     stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
     ++keyframe_count_;
+    if (options_.manhattan.enabled) manhattan_.Add(proposal.id, proposal.lines);
   }
 
   void Discard(MapId id) {
@@ -62,6 +65,7 @@ class Mapper::Impl {
   }
 
   void Start(const KeyframeProposal& second) {
+    manhattan_.Clear();
     Store(*first_);
     Store(second);
     for (const PointId id :
@@ -90,8 +94,9 @@ class Mapper::Impl {
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
-    AdjustLocally(proposal.id, camera_, scales_, store_, options_.ba, options_.ba.max_iterations,
-                  &map_);
+    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan_, options_.ba,
+                  options_.ba.max_iterations, &map_);
+    manhattan_.Update(map_);
     times->local_ba_ms = stopwatch.Lap_ms();
 
     CullKeyframes(proposal.id, store_, options_.culling, &map_);
@@ -132,6 +137,7 @@ class Mapper::Impl {
   ScalePyramid scales_;
   Map map_;
   KeyframeStore store_;
+  ManhattanFrame manhattan_;  ///< of the map at work
   PointProbation probation_;
   int keyframe_count_ = 0;
   std::optional<KeyframeProposal> first_;

@@ -88,12 +88,41 @@ struct CullingOptions {
   }
 };
 
+/// The Manhattan axes as seen by keyframes, and as a frame of the map.
+struct ManhattanOptions {
+  bool enabled = true;         ///< hold bundle adjustment to the frame; needs detectors
+  int min_support = 5;         ///< distinct lines that at least two axes need
+  double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
+  /// Floor of the measurement's standard deviations, for detectors are more certain than they are
+  /// right, and err alike in images that are alike.
+  double min_sigma_deg = 0.3;
+  double max_innovation_deg = 3.0;  ///< between measurement and map: beyond it is not used
+  /// The frame is born when as many keyframes in a row agree ...
+  int keyframes_to_birth = 5;
+  double max_birth_spread_deg = 1.5;  ///< ... each with their mean within this.
+  /// Of the last `loss_window` measurements: the frame is forgotten when fewer than half fit.
+  int loss_window = 10;
+
+  template <class V>
+  void Visit(V& v) {
+    v("enabled", enabled);
+    v("min_support", min_support);
+    v("max_sigma_deg", max_sigma_deg);
+    v("min_sigma_deg", min_sigma_deg);
+    v("max_innovation_deg", max_innovation_deg);
+    v("keyframes_to_birth", keyframes_to_birth);
+    v("max_birth_spread_deg", max_birth_spread_deg);
+    v("loss_window", loss_window);
+  }
+};
+
 struct MapperOptions {
   OrbOptions orb;  ///< as the frontend's: number and factor of the pyramid's levels
   LocalBaOptions ba;
   PointCreatorOptions creator;
   PointFuserOptions fuser;
   CullingOptions culling;
+  ManhattanOptions manhattan;
 
   template <class V>
   void Visit(V& v) {
@@ -102,6 +131,7 @@ struct MapperOptions {
     v("creator", creator);
     v("fuser", fuser);
     v("culling", culling);
+    v("manhattan", manhattan);
   }
   std::optional<std::string> Validate() const;
 };

@@ -11,6 +11,8 @@
 #include "frontend/tracker.h"
 #include "player/source_factory.h"
 #include "recorder/results.h"
+#include "vpdetector/detector.h"
+#include "vpdetector/detector_settings.h"
 
 namespace vpslam {
 namespace {
@@ -22,6 +24,7 @@ struct Arguments {
   uint64_t seed = 1;
   std::string config;
   std::vector<std::string> set;
+  bool detect = false;
   bool verbose = false;
 };
 
@@ -33,6 +36,8 @@ void Run(const Arguments& arguments) {
                   arguments.seed);
   Mapper mapper(source->camera(),
                 LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set));
+  const Detector detector(source->camera(), LoadSettings<DetectorOptions>(
+                                                arguments.config, "vpdetector", arguments.set));
   RunRecord record;
   const auto take = [&](const Tracker::Output& output) {
     for (const FramePose& pose : output.poses) {
@@ -58,7 +63,9 @@ void Run(const Arguments& arguments) {
     image.stamp_us = frame->stamp_us;
     image.decode_ms = frame->decode_ms;
     image.pixels = frame->grey;
-    take(tracker.Track(image));
+    LineSet lines;
+    const auto detect = [&] { return &(lines = detector.Detect(image.pixels)); };
+    take(tracker.Track(image, arguments.detect ? GetLines(detect) : GetLines()));
   }
   take(tracker.Finish());
   WriteResults(record, RunInfo(), ResultsFolder(arguments.out));
@@ -78,6 +85,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed);
   app.add_option("--config", arguments.config);
   app.add_option("--set", arguments.set);
+  app.add_flag("--detect", arguments.detect, "with lines and vanishing points");
   app.add_flag("--verbose", arguments.verbose);
   CLI11_PARSE(app, argc, argv);
   try {

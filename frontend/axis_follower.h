@@ -15,7 +15,6 @@
 // Knows neither LCM nor time: what it does depends on its inputs and their order alone.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,6 +22,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/geometry/axis_naming.h"
 #include "core/messages/line_set.h"
 
 namespace vpslam {
@@ -43,8 +43,9 @@ struct AxisFollowerOptions {
   /// Born after so many acceptable measurements in a row that agree, each with the prediction from
   /// those before.
   int frames_to_birth = 3;
-  /// Lost when the prediction is less certain than that ...
-  double max_predicted_sigma_deg = 15.0;
+  /// Lost when the prediction is less certain than that: names change at 45 degrees, and three
+  /// sigmas should stay within half of it ...
+  double max_predicted_sigma_deg = 7.5;
   /// ... or after so many measurements in a row that are good in themselves, but do not fit.
   int misfits_to_loss = 10;
 
@@ -62,20 +63,6 @@ struct AxisFollowerOptions {
   }
   std::optional<std::string> Validate() const;
 };
-
-/// One of the 24 ways to name three axes: column k of R Q is `sign[k]` times column `from[k]` of R.
-struct AxisNaming {
-  std::array<int, 3> from{0, 1, 2};
-  std::array<int, 3> sign{1, 1, 1};
-
-  Eigen::Matrix3d Matrix() const;  ///< Q
-  /// New name of what was axis `k`.
-  int NameOf(int k) const;
-};
-
-/// The naming that brings `cam_from_manhattan` nearest to `predicted`.
-AxisNaming NearestNaming(const Eigen::Matrix3d& cam_from_manhattan,
-                         const Eigen::Matrix3d& predicted);
 
 class AxisFollower {
  public:

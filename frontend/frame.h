@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/map/ids.h"
+#include "core/messages/line_set.h"
 #include "core/messages/stages.h"
 
 namespace vpslam {
@@ -18,7 +20,8 @@ struct Frame {
   int64_t published_us = 0;
   Features features;
   FeatureGrid grid;
-  std::vector<PointId> points;  ///< per feature; invalid where none is matched
+  std::vector<PointId> points;           ///< per feature; invalid where none is matched
+  std::shared_ptr<const LineSet> lines;  ///< nullptr without a detector
   SE3 cam_from_world;
   Matrix6d covariance = Matrix6d::Zero();
   KeyframeId reference;  ///< what the pose hangs on when the map is corrected

@@ -31,12 +31,8 @@
 
 namespace vpslam {
 
-/// The lines of the image at hand; the first call waits for them, so that a tracker which has other
-/// things to do calls late. nullptr where there are none: no detectors, too late (in realtime), or
-/// the process is about to stop. They last as long as the call to `track`.
-using GetLines = std::function<const LineSet*()>;
-
-/// What the loop needs of a tracker; see frontend/tracker.h for what each does.
+/// What the loop needs of a tracker; see frontend/tracker.h for what each does. There are no lines
+/// without detectors, when they come too late (in realtime), and when the process is about to stop.
 struct TrackerCalls {
   std::function<Tracker::Output(const ImageFrame&, const GetLines&)> track;
   std::function<bool(const MapDelta&)> apply;

@@ -36,8 +36,8 @@ int main(int argc, char** argv) {
     std::unique_ptr<Tracker> tracker;
     const auto make_tracker = [&](const Camera& camera) {
       tracker = std::make_unique<Tracker>(camera, settings, seed);
-      return TrackerCalls{[&](const ImageFrame& image, const GetLines&) {
-                            return tracker->Track(image);  // does without lines so far
+      return TrackerCalls{[&](const ImageFrame& image, const GetLines& lines) {
+                            return tracker->Track(image, lines);
                           },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },

@@ -36,6 +36,7 @@ KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map) {
   proposal.features = frame.features;
   proposal.points = frame.points;
   proposal.points.resize(frame.features.size());
+  if (frame.lines) proposal.lines = *frame.lines;
   return proposal;
 }
 
@@ -55,9 +56,11 @@ class Tracker::Impl {
         late_(options),
         rng_(seed) {}
 
-  Output Track(const ImageFrame& image) {
+  Output Track(const ImageFrame& image, const GetLines& get_lines) {
     Output output;
     Frame frame = MakeFrame(image);
+    const LineSet* lines = get_lines ? get_lines() : nullptr;
+    if (lines) frame.lines = std::make_shared<const LineSet>(*lines);
     if (state_ == TrackingState::kInitialising || OnProbation()) Remember(frame);
     if (state_ == TrackingState::kInitialising) {
       TryToStart(frame, &output);
@@ -347,7 +350,9 @@ std::optional<std::string> TrackerOptions::Validate() const {
 Tracker::Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed)
     : impl_(std::make_unique<Impl>(camera, options, seed)) {}
 Tracker::~Tracker() = default;
-Tracker::Output Tracker::Track(const ImageFrame& image) { return impl_->Track(image); }
+Tracker::Output Tracker::Track(const ImageFrame& image, const GetLines& lines) {
+  return impl_->Track(image, lines);
+}
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }
 int64_t Tracker::map_version() const { return impl_->map_version(); }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -11,10 +12,15 @@
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
+#include "core/messages/line_set.h"
 #include "core/messages/map_delta.h"
 #include "frontend/tracker_options.h"
 
 namespace vpslam {
+
+/// The lines of the image at hand; the first call waits for them, so that a tracker which has other
+/// things to do calls late. nullptr where there are none. They last as long as the call to Track.
+using GetLines = std::function<const LineSet*()>;
 
 class Tracker {
  public:
@@ -30,7 +36,8 @@ class Tracker {
   Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed);
   ~Tracker();
 
-  Output Track(const ImageFrame& image);
+  /// `lines`: where the image's lines come from; may be empty.
+  Output Track(const ImageFrame& image, const GetLines& lines = {});
 
   /// Returns false if the delta does not fit the version that the replica has: ask for a snapshot.
   bool Apply(const MapDelta& delta);

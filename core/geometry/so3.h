@@ -36,6 +36,18 @@ inline Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q) {
   return scale * v;
 }
 
+/// J with Log(Exp(w) Exp(d)) = w + J d + O(d^2).
+inline Eigen::Matrix3d InverseRightJacobianSo3(const Eigen::Vector3d& w_rad) {
+  const double theta2 = w_rad.squaredNorm();
+  const double theta = std::sqrt(theta2);
+  // (1/theta^2 - (1 + cos) / (2 theta sin)), by its series near 0.
+  const double c = theta < 1e-3
+                       ? 1.0 / 12.0 + theta2 / 720.0
+                       : 1.0 / theta2 - (1.0 + std::cos(theta)) / (2.0 * theta * std::sin(theta));
+  const Eigen::Matrix3d skew = Skew(w_rad);
+  return Eigen::Matrix3d::Identity() + 0.5 * skew + c * skew * skew;
+}
+
 /// Angle of the rotation that takes a to b, in [0, pi].
 inline double AngleBetween_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return LogSo3(b * a.conjugate()).norm();

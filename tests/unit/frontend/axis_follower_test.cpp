@@ -135,7 +135,7 @@ TEST(AxisFollower, WithoutLinesTheAxesAreLostAndBornAnewUnderAnotherGeneration) 
   for (; follower.IsFollowing() && frames < 100; ++frames) {
     follower.Predict(Eigen::Quaterniond::Identity(), Turning(3));
   }
-  EXPECT_NEAR(frames, 25, 1) << "15 degrees are five times 3, and variances add up";
+  EXPECT_NEAR(frames, 6, 1) << "7.5 degrees are 2.5 times 3, and variances add up";
   for (int i = 0; i < 3; ++i) follower.Take(Saying(ExpSo3({0, 0.6, 0}), same));
   EXPECT_TRUE(follower.IsFollowing());
   EXPECT_EQ(follower.generation(), 2);

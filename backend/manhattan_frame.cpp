@@ -1,0 +1,126 @@
+#include "backend/manhattan_frame.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/geometry/axis_naming.h"
+#include "core/geometry/so3.h"
+
+namespace vpslam {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+Eigen::Quaterniond WorldFromManhattan(const ManhattanMeasurement& m, const Keyframe& keyframe) {
+  return (keyframe.cam_from_world.rotation.conjugate() * m.cam_from_manhattan).normalized();
+}
+
+void Rename(const Eigen::Quaterniond& predicted, ManhattanMeasurement* m) {
+  const Eigen::Matrix3d measured = m->cam_from_manhattan.toRotationMatrix();
+  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
+  m->cam_from_manhattan =
+      Eigen::Quaterniond(Eigen::Matrix3d(measured * naming.Matrix())).normalized();
+}
+
+/// Weighted mean of rotations that lie within a few degrees of `start`.
+class MeanRotation {
+ public:
+  explicit MeanRotation(const Eigen::Quaterniond& start) : start_(start) {}
+  void Add(const Eigen::Quaterniond& rotation, double weight) {
+    sum_ += weight * LogSo3(rotation * start_.conjugate());
+    weight_ += weight;
+  }
+  Eigen::Quaterniond Get() const {
+    return weight_ > 0 ? (ExpSo3(sum_ / weight_) * start_).normalized() : start_;
+  }
+
+ private:
+  Eigen::Quaterniond start_;
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
+  double weight_ = 0;
+};
+
+}  // namespace
+
+void ManhattanFrame::Clear() {
+  entries_.clear();
+  frame_.reset();
+}
+
+void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
+  if (lines.manhattan == ManhattanState::kNone || lines.vanishing_points.size() < 3) return;
+  const auto supported = std::count_if(
+      lines.vanishing_points.begin(), lines.vanishing_points.begin() + 3,
+      [this](const VanishingPoint& vp) { return vp.support >= options_.min_support; });
+  if (supported < 2 || !lines.covariance_rad2.allFinite()) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(lines.covariance_rad2);
+  const double max_sigma = options_.max_sigma_deg * kRadPerDeg;
+  const double min_sigma = options_.min_sigma_deg * kRadPerDeg;
+  if (solver.eigenvalues().maxCoeff() > max_sigma * max_sigma) return;
+  // Errors that images have in common come on top of each one's own.
+  const Eigen::Matrix3d covariance =
+      lines.covariance_rad2 + min_sigma * min_sigma * Eigen::Matrix3d::Identity();
+  entries_[keyframe] = {{lines.cam_from_manhattan, covariance}, false};
+}
+
+const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
+  if (!frame_) return nullptr;
+  const auto at = entries_.find(keyframe);
+  return at != entries_.end() && at->second.fits ? &at->second.measurement : nullptr;
+}
+
+void ManhattanFrame::Update(const Map& map) {
+  std::erase_if(entries_, [&map](const auto& entry) { return !map.Find(entry.first); });
+  if (!frame_) TryBirth(map);
+  if (frame_) Fit(map);
+}
+
+void ManhattanFrame::TryBirth(const Map& map) {
+  if (static_cast<int>(entries_.size()) < options_.keyframes_to_birth) return;
+  auto at = std::prev(entries_.end());
+  const Eigen::Quaterniond latest =
+      WorldFromManhattan(at->second.measurement, *map.Find(at->first));
+  MeanRotation mean(latest);
+  std::vector<Eigen::Quaterniond> all;
+  for (int i = 0; i < options_.keyframes_to_birth; ++i, --at) {
+    const Keyframe& keyframe = *map.Find(at->first);
+    Rename(keyframe.cam_from_world.rotation * latest, &at->second.measurement);
+    all.push_back(WorldFromManhattan(at->second.measurement, keyframe));
+    mean.Add(all.back(), 1.0);
+    if (at == entries_.begin() && i + 1 < options_.keyframes_to_birth) return;
+  }
+  const Eigen::Quaterniond candidate = mean.Get();
+  const double max_spread = options_.max_birth_spread_deg * kRadPerDeg;
+  if (std::all_of(all.begin(), all.end(), [&](const Eigen::Quaterniond& q) {
+        return AngleBetween_rad(q, candidate) <= max_spread;
+      })) {
+    frame_ = candidate;
+  }
+}
+
+void ManhattanFrame::Fit(const Map& map) {
+  const double max_innovation = options_.max_innovation_deg * kRadPerDeg;
+  MeanRotation mean(*frame_);
+  for (auto& [id, entry] : entries_) {
+    const Keyframe& keyframe = *map.Find(id);
+    Rename(keyframe.cam_from_world.rotation * *frame_, &entry.measurement);
+    const Eigen::Quaterniond world = WorldFromManhattan(entry.measurement, keyframe);
+    entry.fits = AngleBetween_rad(world, *frame_) <= max_innovation;
+    if (entry.fits) mean.Add(world, 1.0 / entry.measurement.covariance_rad2.trace());
+  }
+  int latest = 0, fitting = 0;
+  for (auto at = entries_.rbegin(); at != entries_.rend() && latest < options_.loss_window; ++at) {
+    ++latest;
+    fitting += at->second.fits;
+  }
+  if (latest == options_.loss_window && 2 * fitting < latest) {
+    Clear();
+  } else {
+    frame_ = mean.Get();
+  }
+}
+
+}  // namespace vpslam

@@ -1,0 +1,58 @@
+// The Manhattan frame of a map: three orthogonal directions of the world that vanishing points
+// show.
+//
+// It is born when several keyframes in a row agree about it, is the mean of what all keyframes of
+// the map say (never frozen at what the first one said, as the paper's section III-B does), and is
+// forgotten when the scene does not bear it out. Bundle adjustment holds keyframes to it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "backend/mapper_options.h"
+#include "core/map/map.h"
+#include "core/messages/line_set.h"
+
+namespace vpslam {
+
+/// What a keyframe's vanishing points say, under the names that the map's frame gives the axes.
+struct ManhattanMeasurement {
+  Eigen::Quaterniond cam_from_manhattan = Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();  ///< of the left perturbation
+};
+
+class ManhattanFrame {
+ public:
+  explicit ManhattanFrame(const ManhattanOptions& options) : options_(options) {}
+
+  /// Takes up what the lines of a keyframe say, if it is worth anything.
+  void Add(KeyframeId keyframe, const LineSet& lines);
+  /// Names, birth, mean and loss, with the keyframes of `map` where they are now.
+  void Update(const Map& map);
+  void Clear();
+
+  /// Set while the frame exists.
+  const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }
+  /// What binds this keyframe; nullptr if nothing does.
+  const ManhattanMeasurement* Find(KeyframeId keyframe) const;
+
+ private:
+  struct Entry {
+    ManhattanMeasurement measurement;
+    bool fits = false;
+  };
+  using Entries = std::map<KeyframeId, Entry>;
+
+  void TryBirth(const Map& map);
+  void Fit(const Map& map);
+
+  ManhattanOptions options_;
+  Entries entries_;
+  std::optional<Eigen::Quaterniond> frame_;
+};
+
+}  // namespace vpslam
