@@ -13,16 +13,19 @@ def add_parser(commands):
     parser.add_argument("--suite", required=True, choices=list(suites.ALL),
                         help="; ".join(f"{name}: {suite.HELP}" for name, suite in
                                        suites.ALL.items()))
-    parser.add_argument("--data", metavar="FOLDER", help="what to measure on")
-    parser.add_argument("--out", metavar="DIR", required=True,
-                        help="folder for the results; made if missing")
-    for name, suite in suites.ALL.items():
-        suite.add_arguments(parser.add_argument_group(f"suite {name}"))
+    parser.add_argument("--data", metavar="FOLDER",
+                        help="what to measure on; default: ../shared/data for shared, "
+                        "datasets/SUITE for tum, euroc, icl and kitti")
+    parser.add_argument("--out", metavar="DIR",
+                        help="folder for the results, made if missing; runs that are complete there "
+                        "are not repeated (default: results/bench-SUITE)")
+    for names, add_arguments in suites.ARGUMENTS.items():
+        add_arguments(parser.add_argument_group(f"suite {names}"))
     parser.set_defaults(function=run)
 
 
 def run(args):
-    args.out = pathlib.Path(args.out).resolve()
+    args.out = pathlib.Path(args.out or f"results/bench-{args.suite}").resolve()
     try:
         args.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -3,8 +3,8 @@
 import argparse
 import sys
 
-from vpslam_tools import (bench_command, demo_command, evaluate_command, install_build,
-                          run_command)
+from vpslam_tools import (bench_command, demo_command, evaluate_command, fetch_command,
+                          install_build, run_command)
 from vpslam_tools.errors import UserError
 
 
@@ -17,6 +17,7 @@ def build_parser():
     run_command.add_parser(commands)
     evaluate_command.add_parser(commands)
     bench_command.add_parser(commands)
+    fetch_command.add_parser(commands)
     install_build.add_parsers(commands)
     return parser
 

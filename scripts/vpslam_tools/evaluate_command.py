@@ -1,6 +1,7 @@
 """`vpslam evaluate`: compares a trajectory with the truth."""
 
 import json
+import pathlib
 
 from vpslam_tools import install_build, paths
 from vpslam_tools.errors import UserError
@@ -19,6 +20,9 @@ def add_parser(commands):
     parser.add_argument("--interpolate", action="store_true",
                         help="interpolate the truth to each pose's time; by default the nearest "
                         "truth within 0.02 s is taken")
+    parser.add_argument("--plot", metavar="DIR",
+                        help="draw both trajectories and the error over time: DIR/trajectory.png and "
+                        ".svg; DIR is made if missing")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(function=run)
 
@@ -28,7 +32,26 @@ def run(args):
         install_build.ensure_packages()  # numpy; nothing is built
     result = evaluate_files(args.estimate, args.truth, args.frames, not args.se3, args.interpolate)
     print(json.dumps(result.as_dict()) if args.json else describe(result))
+    if args.plot:
+        plot(args)
     return 0
+
+
+def plot(args):
+    from vpslam_tools import plots, trajectory
+    out = pathlib.Path(args.plot)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{out}: cannot be made ({error.strerror}); name another folder with --plot"
+                        ) from None
+    estimate = pathlib.Path(args.estimate)
+    pictures = plots.trajectory_figure(
+        trajectory.read_trajectory(args.truth), {"estimate": trajectory.read_trajectory(estimate)},
+        out / "trajectory", title=f"{estimate.parent.name}/{estimate.name}".lstrip("/"),
+        with_scale=not args.se3)
+    if not args.json:
+        print(f"{'pictures':<16} " + " ".join(map(str, pictures)))
 
 
 def evaluate_files(estimate, truth, frames=None, with_scale=True, interpolate=False):

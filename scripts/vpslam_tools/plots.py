@@ -1,71 +1,40 @@
-"""Figures of trajectories, as PNG for the screen and SVG for papers.
+"""Figures of trajectories: against the truth from above and from the side, and the error over time.
 
     trajectory_figure(truth, {"VP-SLAM": estimate}, out / "trajectory", title="sim:room")
-
-Drawn with matplotlib's Agg, which needs no display. Colours are those of Okabe and Ito ("Color
-universal design", 2008), which people of any colour vision tell apart; lines differ in style, too.
 """
-
-import pathlib
 
 import numpy as np
 
 from vpslam_tools import evaluation, trajectory
 from vpslam_tools.alignment import align
 from vpslam_tools.errors import UserError
+from vpslam_tools.figure_style import STYLE, TRUTH_COLOUR, WIDTH_IN, colour, line_style, pyplot, write
 
-TRUTH_COLOUR = "#4d4d4d"
-COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
-LINE_STYLES = ["-", "--", "-.", ":"]
-GAP_S = 0.5       # a longer time without a pose is drawn as a gap
-WIDTH_IN = 7.2    # two columns of a paper
-STYLE = {
-    "font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8,
-    "legend.fontsize": 7.5, "xtick.labelsize": 7, "ytick.labelsize": 7,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6, "ytick.major.width": 0.6, "axes.grid": True, "grid.color": "#e5e5e5",
-    "grid.linewidth": 0.5, "axes.axisbelow": True, "legend.frameon": False,
-    "svg.fonttype": "none", "svg.hashsalt": "vpslam", "savefig.dpi": 200,
-}
-
-
-def _pyplot():
-    try:
-        import matplotlib
-    except ImportError:
-        raise UserError("python3-matplotlib is missing; as root type: apt-get install "
-                        "python3-matplotlib") from None
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    return pyplot
+GAP_S = 0.5          # a longer time without a pose is drawn as a gap
+LEAST_SHARE = 0.3    # height of a flat view, of the largest extent
 
 
 def trajectory_figure(truth, estimates, path, title="", with_scale=True):
-    """Writes `path`.png and `path`.svg: the trajectories from above beside the truth, and the
-    distance from the truth over time.
+    """Writes `path`.png and `path`.svg: the trajectories and the truth from above and from the side,
+    and the distance from the truth over time.
 
     truth: Trajectory, m. estimates: {label: Trajectory}; each is aligned with the truth, by a
     similarity (with_scale) or rigidly. Returns the two paths.
     """
-    pyplot = _pyplot()
-    path = pathlib.Path(path)
     aligned = {label: _align(poses, truth, with_scale) for label, poses in estimates.items()}
-    axes_shown = _plane(truth.positions)
-    with pyplot.rc_context(STYLE):
-        figure, (plan, error) = pyplot.subplots(
-            1, 2, figsize=(WIDTH_IN, 0.46 * WIDTH_IN), layout="constrained",
-            gridspec_kw={"width_ratios": [1.0, 1.0]})
-        _draw_plan(plan, truth, aligned, axes_shown)
-        _draw_error(error, truth, aligned)
+    first, second = _plane(truth.positions)
+    third = 3 - first - second
+    with pyplot().rc_context(STYLE):
+        figure = pyplot().figure(figsize=(WIDTH_IN, 0.72 * WIDTH_IN), layout="constrained")
+        grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
+        above, side = (figure.add_subplot(grid[0, column]) for column in (0, 1))
+        _draw_view(above, truth, aligned, (first, second), "trajectory, from above")
+        _draw_view(side, truth, aligned, (first, third), "from the side")
+        above.legend(loc="best", handlelength=2.2)
+        _draw_error(figure.add_subplot(grid[1, :]), truth, aligned)
         if title:
             figure.suptitle(title, fontsize=9)
-        paths = [path.with_name(path.name + ending) for ending in (".png", ".svg")]
-        for each in paths:
-            # No date: the same figure is the same file.
-            metadata = {"Date": None} if each.suffix == ".svg" else {"Software": "VP-SLAM"}
-            figure.savefig(each, metadata=metadata)
-        pyplot.close(figure)
-    return paths
+        return write(figure, path)
 
 
 def _align(poses, truth, with_scale):
@@ -79,9 +48,17 @@ def _align(poses, truth, with_scale):
 
 
 def _plane(positions):
-    """The two axes along which most happens: x and y of a world with z up, x and z of a camera's."""
+    """The two axes along which most happens, which is from above where a camera is carried or
+    driven about: x and y of a world with z up, x and z of a camera's."""
     spread = np.ptp(positions, axis=0)
     return sorted(np.argsort(-spread, kind="stable")[:2])
+
+
+def _limits(low, high, largest):
+    """With a margin; a flat view keeps some height."""
+    middle, half = (low + high) / 2, max(0.5 * (high - low), LEAST_SHARE * largest / 2)
+    half += 0.05 * largest
+    return middle - half, middle + half
 
 
 def _with_gaps(stamps_s, values):
@@ -90,25 +67,28 @@ def _with_gaps(stamps_s, values):
     return np.insert(stamps_s, gaps, np.nan), np.insert(values.astype(float), gaps, np.nan, axis=0)
 
 
-def _draw_plan(axes, truth, aligned, axes_shown):
+def _draw_view(axes, truth, aligned, axes_shown, title):
     first, second = axes_shown
     _, positions = _with_gaps(truth.stamps_s, truth.positions)
     axes.plot(positions[:, first], positions[:, second], color=TRUTH_COLOUR, linewidth=2.4,
               alpha=0.45, label="truth", solid_capstyle="round")
     for index, (label, (all_positions, stamps_s, _, _)) in enumerate(aligned.items()):
         _, positions = _with_gaps(stamps_s, all_positions)
-        axes.plot(positions[:, first], positions[:, second], color=COLOURS[index % len(COLOURS)],
-                  linestyle=LINE_STYLES[index % len(LINE_STYLES)], linewidth=1.0, label=label)
+        axes.plot(positions[:, first], positions[:, second], color=colour(index),
+                  linestyle=line_style(index), linewidth=1.0, label=label)
     start, end = truth.positions[0], truth.positions[-1]
     axes.plot(start[first], start[second], "o", color="black", markersize=4, label="start")
     axes.plot(end[first], end[second], "s", color="black", markersize=4, markerfacecolor="white",
               label="end")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.08)
+    shown = np.vstack([truth.positions] + [positions for positions, _, _, _ in aligned.values()])
+    low, high = shown.min(axis=0), shown.max(axis=0)
+    largest = max(1e-9, float(np.max(high - low)))
+    axes.set_xlim(*_limits(low[first], high[first], largest))
+    axes.set_ylim(*_limits(low[second], high[second], largest))
+    axes.set_aspect("equal", adjustable="box")
     axes.set_xlabel(f"{'xyz'[first]} (m)")
     axes.set_ylabel(f"{'xyz'[second]} (m)")
-    axes.set_title("trajectory", loc="left")
-    axes.legend(loc="best", handlelength=2.2)
+    axes.set_title(title, loc="left")
 
 
 def _draw_error(axes, truth, aligned):
@@ -116,15 +96,13 @@ def _draw_error(axes, truth, aligned):
     for index, (label, (_, _, stamps_s, error_m)) in enumerate(aligned.items()):
         times, errors = _with_gaps(stamps_s - begin_s, error_m)
         rmse = float(np.sqrt(np.mean(error_m ** 2)))
-        colour = COLOURS[index % len(COLOURS)]
-        axes.plot(times, 1000 * errors, color=colour, linewidth=1.0,
-                  linestyle=LINE_STYLES[index % len(LINE_STYLES)],
-                  label=f"{label}: ATE {1000 * rmse:.1f} mm (rmse)")
-        axes.axhline(1000 * rmse, color=colour, linewidth=0.6, alpha=0.6)
+        axes.plot(times, errors, color=colour(index), linewidth=1.0,
+                  linestyle=line_style(index), label=f"{label}: ATE {rmse:.4f} m (rmse)")
+        axes.axhline(rmse, color=colour(index), linewidth=0.6, alpha=0.6)
     axes.set_xlim(0, truth.stamps_s[-1] - begin_s)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel("distance from the truth (mm)")
+    axes.set_ylabel("distance from the truth (m)")
     axes.set_title("absolute trajectory error", loc="left")
     axes.legend(loc="upper left")
 

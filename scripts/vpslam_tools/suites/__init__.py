@@ -1,9 +1,12 @@
-"""What `vpslam bench` measures: one module per suite.
+"""What `vpslam bench` measures.
 
-Each has NAME, HELP (a line), add_arguments(group) for the options of its own, and run(args), which
-gets --data (or None) and --out (a pathlib.Path that exists) and returns the exit code.
+A suite has NAME, HELP (a line) and run(args), which gets --data (or None) and --out (a pathlib.Path
+that exists) and returns the exit code. ARGUMENTS has the options beyond these two, by suite.
 """
 
-from vpslam_tools.suites import detectors, york
+from vpslam_tools.suites import detectors, micro, sequences, york
 
-ALL = {suite.NAME: suite for suite in (york, detectors)}
+ALL = {suite.NAME: suite for suite in (*sequences.SUITES, york, detectors, micro)}
+ARGUMENTS = {", ".join(suite.NAME for suite in sequences.SUITES): sequences.add_arguments,
+             york.NAME: york.add_arguments, detectors.NAME: detectors.add_arguments,
+             micro.NAME: micro.add_arguments}

@@ -36,14 +36,15 @@ class Plots(unittest.TestCase):
         for one, other in zip(first, second):
             self.assertEqual(one.read_bytes(), other.read_bytes())
         figure = first[1].read_text()
-        for text in ("a title", "truth", "points: ATE", "lines: ATE 0.0 mm", "x (m)", "y (m)"):
+        for text in ("a title", "truth", "points: ATE", "lines: ATE 0.0000 m", "x (m)", "y (m)",
+                     "z (m)"):
             self.assertIn(text, figure)
 
     def test_errors_are_those_of_the_alignment(self):
         estimate = circle(scale=0.5, noise_m=0.01)  # 0.01 m in the truth's metres, in each axis
         figure = plots.trajectory_figure(circle(), {"x": estimate}, self.folder / "a")[1].read_text()
-        error_mm = float(re.search(r"x: ATE ([\d.]+) mm", figure).group(1))
-        self.assertAlmostEqual(error_mm, 10 * 3 ** 0.5, delta=2)
+        error_m = float(re.search(r"x: ATE ([\d.]+) m", figure).group(1))
+        self.assertAlmostEqual(error_m, 0.01 * 3 ** 0.5, delta=0.002)
 
     def test_gaps_are_not_bridged(self):
         stamps, values = plots._with_gaps(np.array([0.0, 0.1, 2.0, 2.1]), np.arange(4))

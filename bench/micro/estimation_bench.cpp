@@ -1,0 +1,43 @@
+// The pose of a frame, and local bundle adjustment.
+#include <benchmark/benchmark.h>
+
+#include "backend/local_ba.h"
+#include "bench/micro/scene.h"
+
+namespace vpslam {
+namespace {
+
+void OptimiseFramePose(benchmark::State& state) {
+  const Camera camera = SceneCamera();
+  const auto measurements = MakeMeasurements(camera, static_cast<int>(state.range(0)));
+  const SE3 initial(Eigen::Quaterniond::Identity(), {0.05, -0.03, 0.04});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(OptimizePose(camera, measurements, initial, PoseOptimizerOptions()));
+  }
+}
+BENCHMARK(OptimiseFramePose)->Arg(50)->Arg(200)->Arg(800)->Unit(benchmark::kMicrosecond);
+
+/// By the number of poses that move; as many others hold the gauge.
+void AdjustWindow(benchmark::State& state) {
+  LocalBaOptions options;
+  options.max_keyframes = options.max_fixed_keyframes = static_cast<int>(state.range(0));
+  const MapScene scene = MakeMapScene(2 * options.max_keyframes);
+  const OrbOptions orb;
+  const ScalePyramid scales(orb.num_levels, orb.scale_factor, orb.sigma_px);
+  BaSummary summary;
+  for (auto _ : state) {
+    state.PauseTiming();
+    Map map = scene.map;
+    state.ResumeTiming();
+    summary = AdjustLocally(scene.last, scene.camera, scales, scene.store, options,
+                            options.max_iterations, &map);
+  }
+  state.counters["keyframes"] = summary.keyframes;
+  state.counters["points"] = summary.points;
+  state.counters["observations"] = summary.observations;
+  state.counters["iterations"] = summary.iterations;
+}
+BENCHMARK(AdjustWindow)->Arg(2)->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace vpslam

@@ -1,0 +1,131 @@
+#include "bench/micro/scene.h"
+
+#include <random>
+#include <stdexcept>
+
+#include "player/source_factory.h"
+
+namespace vpslam {
+namespace {
+
+constexpr int kImages = 4, kFramesApart = 5;
+constexpr int kPointsPerMetre = 120;
+constexpr double kStep_m = 0.05, kError_m = 0.01, kNoise_px = 1.0;
+constexpr double kNear_m = 2, kFar_m = 6, kHalfHeight_m = 2.5, kHalfWidth_m = 3.5;
+
+class Random {
+ public:
+  double Uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(rng_);
+  }
+  Eigen::Vector2d Gauss2(double sigma) { return {sigma * normal_(rng_), sigma * normal_(rng_)}; }
+  Eigen::Vector3d Gauss3(double sigma) {
+    return {sigma * normal_(rng_), sigma * normal_(rng_), sigma * normal_(rng_)};
+  }
+  Descriptor Bits() { return {rng_(), rng_(), rng_(), rng_()}; }
+
+ private:
+  std::mt19937_64 rng_{1};
+  std::normal_distribution<double> normal_;
+};
+
+}  // namespace
+
+Camera SceneCamera() {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  return camera;
+}
+
+const SimulatedImages& Images() {
+  static const SimulatedImages images = [] {
+    cv::setNumThreads(1);
+    SourceOptions options;
+    options.max_frames = (kImages - 1) * kFramesApart + 1;
+    const auto source = OpenSource("sim:room", options);
+    SimulatedImages result;
+    result.camera = source->camera();
+    for (int i = 0; i < options.max_frames; ++i) {
+      const auto frame = source->Next();
+      if (!frame) throw std::runtime_error("sim:room ended early");
+      if (i % kFramesApart != 0) continue;
+      result.images.push_back(frame->grey);
+      result.cam_from_world.push_back(source->WorldFromCam(frame->stamp_us)->Inverse());
+    }
+    return result;
+  }();
+  return images;
+}
+
+MapScene MakeMapScene(int num_keyframes) {
+  Random random;
+  MapScene scene;
+  scene.camera = SceneCamera();
+  const Camera::Bounds bounds = scene.camera.UndistortedBounds();
+  const double length_m = kStep_m * num_keyframes;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<PointId> ids;
+  const int count = static_cast<int>(kPointsPerMetre * (length_m + 2 * kHalfWidth_m));
+  for (int i = 0; i < count; ++i) {
+    points.emplace_back(random.Uniform(-kHalfWidth_m, length_m + kHalfWidth_m),
+                        random.Uniform(-kHalfHeight_m, kHalfHeight_m),
+                        random.Uniform(kNear_m, kFar_m));
+    ids.emplace_back();
+  }
+  for (int k = 0; k < num_keyframes; ++k) {
+    const SE3 cam_from_world(Eigen::Quaterniond::Identity(), {-kStep_m * k, 0, 0});
+    KeyframeFeatures kept;
+    std::vector<size_t> seen;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector2d px =
+          scene.camera.Project(cam_from_world * points[i]) + random.Gauss2(kNoise_px);
+      if (!bounds.Contains(px)) continue;
+      Keypoint keypoint;
+      keypoint.x_px = static_cast<float>(px.x());
+      keypoint.y_px = static_cast<float>(px.y());
+      kept.features.keypoints.push_back(keypoint);
+      kept.features.descriptors.push_back(random.Bits());
+      seen.push_back(i);
+    }
+    kept.grid = FeatureGrid(kept.features.keypoints, bounds);
+    Keyframe keyframe;
+    keyframe.id = scene.last = KeyframeId(k);
+    keyframe.map = MapId(0);
+    keyframe.parent = KeyframeId(k - 1);
+    keyframe.cam_from_world = cam_from_world;
+    if (k > 1) keyframe.cam_from_world.translation += random.Gauss3(kError_m);
+    keyframe.points.resize(seen.size());
+    scene.map.Insert(keyframe);
+    for (size_t f = 0; f < seen.size(); ++f) {
+      PointId& id = ids[seen[f]];
+      if (!id.IsValid()) {
+        id =
+            scene.map.CreatePoint(MapId(0), keyframe.id, points[seen[f]] + random.Gauss3(kError_m));
+        scene.map.SetDescriptor(id, kept.features.descriptors[f]);
+        scene.map.SetView(id, Eigen::Vector3d::UnitZ(), kFar_m);
+      }
+      scene.map.Observe(keyframe.id, static_cast<int32_t>(f), id);
+    }
+    scene.store[keyframe.id] = std::move(kept);
+  }
+  return scene;
+}
+
+std::vector<PointMeasurement> MakeMeasurements(const Camera& camera, int count) {
+  Random random;
+  std::vector<PointMeasurement> measurements;
+  for (int i = 0; i < count; ++i) {
+    PointMeasurement m;
+    const Eigen::Vector2d px(random.Uniform(0, camera.width), random.Uniform(0, camera.height));
+    m.point_in_world = random.Uniform(kNear_m, kFar_m) * camera.Unproject(px);
+    m.px = px + random.Gauss2(kNoise_px);
+    measurements.push_back(m);
+  }
+  return measurements;
+}
+
+}  // namespace vpslam

@@ -1,0 +1,40 @@
+// What the micro-benchmarks work on: simulated images, and a made-up map with exact structure.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "backend/keyframe_store.h"
+#include "core/estimation/pose_optimizer.h"
+#include "core/geometry/camera.h"
+#include "core/map/map.h"
+
+namespace vpslam {
+
+struct SimulatedImages {
+  Camera camera;
+  std::vector<cv::Mat> images;
+  std::vector<SE3> cam_from_world;
+};
+
+/// Some frames of sim:room, a sixth of a second apart; rendered once.
+const SimulatedImages& Images();
+
+struct MapScene {
+  Camera camera;
+  Map map;
+  KeyframeStore store;
+  KeyframeId last;
+};
+
+/// `num_keyframes` views from a camera that moves sideways by 5 cm, some 300 points in each,
+/// corners with 1 px of noise, poses and points off by 1 cm; the same for the same number.
+MapScene MakeMapScene(int num_keyframes);
+
+/// `count` exact points and their projections with 1 px of noise into a camera at the origin.
+std::vector<PointMeasurement> MakeMeasurements(const Camera& camera, int count);
+
+Camera SceneCamera();
+
+}  // namespace vpslam

@@ -1,0 +1,62 @@
+"""What a run was worth, and several runs of one sequence together."""
+
+import csv
+import math
+
+import numpy as np
+
+from vpslam_tools import evaluation, trajectory
+from vpslam_tools.errors import UserError
+
+
+def score(results):
+    """Figures of one results folder of `vpslam run`; None where there is nothing to compare."""
+    with open(results / "frames.csv", encoding="utf-8") as file:
+        frames = sum(1 for _ in csv.DictReader(file))
+    figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
+               "rpe_m": None, "rpe_deg": None, "scale": None, "why": None}
+    try:
+        estimate = trajectory.read_trajectory(results / "trajectory.txt")
+    except UserError:
+        figures["why"] = "no pose: tracking never started"
+        return figures
+    figures["poses"] = len(estimate)
+    figures["coverage"] = len(estimate) / frames if frames else 0.0
+    if not (results / "truth.txt").exists():
+        figures["why"] = "no truth"
+        return figures
+    try:
+        result = evaluation.evaluate(estimate, trajectory.read_trajectory(results / "truth.txt"))
+    except UserError as error:
+        figures["why"] = str(error)
+        return figures
+    figures.update(ate_m=result.ate_m.rmse, rotation_deg=result.rotation_deg.rmse,
+                   scale=result.scale, compared=result.compared)
+    if result.rpe_translation_m:
+        figures.update(rpe_m=result.rpe_translation_m.rmse, rpe_deg=result.rpe_rotation_deg.rmse)
+    return figures
+
+
+def combine(runs):
+    """Median and worst over the runs of one sequence at one pace. `runs`: what runs.run_all() keeps;
+    a run that failed counts as one without poses."""
+    scores = [run["scores"] for run in runs if run["status"] == "done"]
+
+    def over(key, worst):
+        values = [each[key] for each in scores if each.get(key) is not None]
+        return ({"median": float(np.median(values)), "worst": float(worst(values)),
+                 "runs": len(values)} if values else None)
+
+    coverages = [each["coverage"] for each in scores] + [0.0] * (len(runs) - len(scores))
+    reasons = sorted({run.get("why") or run["scores"]["why"] for run in runs
+                      if run["status"] != "done" or run["scores"]["why"]})
+    return {"runs": len(runs), "failed": len(runs) - len(scores),
+            "frames": max((each["frames"] for each in scores), default=0),
+            "ate_m": over("ate_m", max), "rotation_deg": over("rotation_deg", max),
+            "rpe_m": over("rpe_m", max), "rpe_deg": over("rpe_deg", max),
+            "coverage": {"median": float(np.median(coverages)), "worst": min(coverages)},
+            "why": "; ".join(reasons) or None}
+
+
+def is_number(value):
+    return value is not None and math.isfinite(value)
