@@ -24,12 +24,13 @@ void AdjustWindow(benchmark::State& state) {
   const MapScene scene = MakeMapScene(2 * options.max_keyframes);
   const OrbOptions orb;
   const ScalePyramid scales(orb.num_levels, orb.scale_factor, orb.sigma_px);
+  const ManhattanFrame no_axes{ManhattanOptions()};
   BaSummary summary;
   for (auto _ : state) {
     state.PauseTiming();
     Map map = scene.map;
     state.ResumeTiming();
-    summary = AdjustLocally(scene.last, scene.camera, scales, scene.store, options,
+    summary = AdjustLocally(scene.last, scene.camera, scales, scene.store, no_axes, options,
                             options.max_iterations, &map);
   }
   state.counters["keyframes"] = summary.keyframes;
