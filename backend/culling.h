@@ -32,7 +32,7 @@ class PointProbation {
 };
 
 /// Culls keyframes covisible with `keyframe` whose points are nearly all seen by enough others at
-/// the same or a finer scale. [Mur15] sec. VI-E. Returns how many.
+/// the same or a finer scale (one octave is no difference). [Mur15] sec. VI-E. Returns how many.
 int CullKeyframes(KeyframeId keyframe, const KeyframeStore& store, const CullingOptions& options,
                   Map* map);
 

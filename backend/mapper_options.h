@@ -73,10 +73,10 @@ struct PointFuserOptions {
 /// What is thrown away again.
 struct CullingOptions {
   double min_found_ratio = 0.25;     ///< found / predicted visible, of a new point
-  int probation_keyframes = 3;       ///< a point that as many keyframes later ...
+  int probation_keyframes = 3;       ///< a point that in the last of these, its first counted, ...
   int min_observations = 3;          ///< ... has fewer observations goes
   double max_redundant_share = 0.9;  ///< of a keyframe's points seen by min_other_observers
-  int min_other_observers = 3;       ///< at the same or a finer scale
+  int min_other_observers = 3;       ///< at a finer scale, or at most one octave coarser
 
   template <class V>
   void Visit(V& v) {

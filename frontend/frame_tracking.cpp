@@ -33,13 +33,15 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, double win
                    const MotionTrackingOptions& options, Frame* frame) {
   frame->points.assign(frame->features.size(), PointId());
   std::vector<uint8_t> taken(frame->features.size(), 0);
+  // Two features of the last frame may show one point by now: theirs were fused since.
+  std::vector<uint8_t> found(context.map.point_end(), 0);
   std::vector<float> last_angles_rad;
   std::vector<int> matched;
   for (size_t i = 0; i < last.points.size(); ++i) {
     if (!last.points[i].IsValid()) continue;
     const PointId id = context.map.Resolve(last.points[i]);
     const MapPoint* point = context.map.Find(id);
-    if (!point) continue;
+    if (!point || found[id.value]) continue;
     const Eigen::Vector3d x = frame->cam_from_world * point->position;
     if (x.z() < kMinDepth) continue;
     const Eigen::Vector2d px = context.camera.Project(x);
@@ -55,6 +57,7 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, double win
         BestMatchInWindow(point->descriptor, query, frame->features, frame->grid, taken);
     if (!match) continue;
     taken[match->index] = 1;
+    found[id.value] = 1;
     frame->points[match->index] = id;
     last_angles_rad.push_back(last_keypoint.angle_rad);
     matched.push_back(match->index);

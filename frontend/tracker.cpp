@@ -167,6 +167,7 @@ class Tracker::Impl {
     if (n > 1) initializer_.Add(history_[n - std::min(n, 1 + kFramesBack)], rng_);
     Frame again = frame;
     again.points.assign(again.features.size(), PointId());
+    again.covariance.setZero();
     TryToStart(again, output);
   }
 

@@ -1,0 +1,99 @@
+#include "frontend/relocalizer.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/frontend/tracking_scene.h"
+
+namespace vpslam {
+namespace {
+
+bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame, MapId map = MapId(0),
+                const RelocalizerOptions& options = {}) {
+  std::mt19937_64 rng(seed);
+  return vpslam::Relocalize(s.context(), map, options, TrackerOptions(), rng, frame);
+}
+
+TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
+  for (const auto shape :
+       {SyntheticShape::kVolume, SyntheticShape::kSlantedPlane, SyntheticShape::kFrontoParallel}) {
+    TrackingScene s(1, {.shape = shape, .outlier_share = 0.2, .clutter = 150}, 5);
+    Frame frame = s.NewFrame(PoseAt({0.5, 0.3, -0.4}, {0.05, 0.1, 0.05}), 0);
+    frame.cam_from_world = PoseAt({50, 50, 50});
+    ASSERT_TRUE(Relocalize(s, 1, &frame));
+    // Each of more than 100 points says where the camera is to 5 x 1.5 px / 520; shifts and turns
+    // look alike. Four sigma.
+    EXPECT_LT(s.PositionError(frame), 4 * 3 * 5 * 1.5 / 520 / 10);
+    EXPECT_GE(frame.inliers, 50);
+    EXPECT_EQ(frame.inliers, s.NumMatched(frame));
+    EXPECT_LE(s.NumWrong(frame), 0.02 * frame.inliers);
+  }
+}
+
+TEST(Relocalizer, AnotherPlaceIsNotFound) {
+  TrackingScene s(2, {});
+  SyntheticScene elsewhere(3);
+  const SyntheticView view = elsewhere.Look(PoseAt({0, 0, 0}));
+  Frame frame;
+  frame.features = view.features;
+  frame.grid = view.grid;
+  frame.points.assign(frame.features.size(), PointId(1));
+  EXPECT_FALSE(Relocalize(s, 1, &frame));
+  EXPECT_EQ(s.NumMatched(frame), 0) << "no match is left behind";
+}
+
+TEST(Relocalizer, LookingLikeItIsNotEnough) {
+  // The right descriptors, all over the place.
+  TrackingScene s(4, {});
+  Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
+  for (Keypoint& k : frame.features.keypoints) {
+    k.x_px = static_cast<float>(s.scene.Uniform(0, 639));
+    k.y_px = static_cast<float>(s.scene.Uniform(0, 479));
+  }
+  frame.grid = FeatureGrid(frame.features.keypoints, s.scene.bounds);
+  EXPECT_GT(MatchKeyframe(s.context(), KeyframeId(0), &frame), 100);
+  EXPECT_FALSE(Relocalize(s, 1, &frame));
+  EXPECT_EQ(s.NumMatched(frame), 0);
+}
+
+TEST(Relocalizer, FewPointsAreNotEnough) {
+  TrackingScene s(5, {});
+  Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
+  int kept = 0;
+  for (int f = 0; f < frame.features.size(); ++f) {
+    const bool known = std::any_of(s.map.truth.begin(), s.map.truth.end(), [&](const auto& entry) {
+      return entry.second == s.PointOf(frame, f);
+    });
+    if (known && ++kept > 45) frame.features.descriptors[f] = Descriptor{};
+  }
+  EXPECT_FALSE(Relocalize(s, 1, &frame)) << "50 are asked for";
+}
+
+TEST(Relocalizer, OnlyInTheMapThatIsMeant) {
+  TrackingScene s(6, {});
+  Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
+  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(1)));
+  EXPECT_TRUE(Relocalize(s, 1, &frame, MapId(0)));
+}
+
+TEST(Relocalizer, TriesTheBestCandidates) {
+  TrackingScene s(7, {}, 5);
+  Frame frame = s.NewFrame(PoseAt({0.9, 0, 0}), 0);
+  EXPECT_TRUE(Relocalize(s, 1, &frame, MapId(0), {.max_candidates = 1}));
+  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(0), {.max_candidates = 0}));
+  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(0), {.min_matches = 10000}));
+}
+
+TEST(Relocalizer, SameInputSameResult) {
+  const auto run = [] {
+    TrackingScene s(8, {.outlier_share = 0.2, .clutter = 100});
+    Frame frame = s.NewFrame(PoseAt({0.3, 0.2, 0}), 0);
+    EXPECT_TRUE(Relocalize(s, 5, &frame));
+    return frame;
+  };
+  const Frame a = run(), b = run();
+  EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
+  EXPECT_EQ(a.points, b.points);
+}
+
+}  // namespace
+}  // namespace vpslam

@@ -1,0 +1,241 @@
+// The frontend from end to end: images of a made-up place in, poses out; the backend answers.
+#include "frontend/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/sim3.h"
+#include "tests/unit/frontend/lockstep.h"
+
+namespace vpslam {
+namespace {
+
+/// RMSE of centres after Sim(3) alignment, of the frames that have poses; `index_of_seq` tells
+/// where a frame was taken.
+template <class F>
+double Rmse(const Lockstep& run, F&& index_of_seq, int* count) {
+  std::vector<Eigen::Vector3d> estimate, truth;
+  for (const auto& [seq, pose] : run.poses) {
+    SE3 cam_from_world;
+    if (!run.PoseOf(seq, &cam_from_world)) continue;
+    estimate.push_back(cam_from_world.Center());
+    truth.push_back(OnTheWay(index_of_seq(seq)).Center());
+  }
+  *count = static_cast<int>(truth.size());
+  const auto truth_from_map = AlignPoints(estimate, truth);
+  if (!truth_from_map) return 1e9;
+  double sum = 0;
+  for (size_t i = 0; i < truth.size(); ++i) {
+    sum += (*truth_from_map * estimate[i] - truth[i]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(truth.size()));
+}
+
+TEST(Tracker, StartsTracksAndPlacesEarlierFrames) {
+  Lockstep run;
+  int i = 0;
+  for (; run.keyframes.empty() && i < 30; ++i) {
+    const TrackingState state = run.Track(ImageOf(i)).state;
+    EXPECT_EQ(state == TrackingState::kTracking, !run.keyframes.empty());
+  }
+  ASSERT_EQ(run.keyframes.size(), 2u);
+  EXPECT_EQ(run.keyframes[0].role, KeyframeRole::kMapFirst);
+  EXPECT_EQ(run.keyframes[1].role, KeyframeRole::kMapSecond);
+  EXPECT_FALSE(run.keyframes[0].discarded_map.IsValid());
+  EXPECT_GE(run.keyframes[1].initial_points.size(), 50u);
+  EXPECT_EQ(run.keyframes[1].frame_seq, i - 1);
+  for (; i < 50; ++i) {
+    const FramePose pose = run.Track(ImageOf(i));
+    EXPECT_EQ(pose.state, TrackingState::kTracking) << i;
+    EXPECT_TRUE(pose.live);
+    EXPECT_GE(pose.inliers, 30);
+    EXPECT_GE(pose.matches, pose.inliers);
+  }
+  run.Finish();
+  for (size_t k = 0; k < run.keyframes.size(); ++k) {
+    EXPECT_EQ(run.keyframes[k].id.value, static_cast<int>(k));
+  }
+  int count = 0;
+  // A pixel is 0.01 at a depth of 4; corners are better than that, and many.
+  EXPECT_LT(Rmse(
+                run, [](int64_t seq) { return static_cast<int>(seq); }, &count),
+            0.01);
+  EXPECT_EQ(count, 50);
+  EXPECT_FALSE(run.poses.at(1).live);
+}
+
+TEST(Tracker, ATurningCameraStartsNoMap) {
+  Lockstep run;
+  for (int i = 0; i < 12; ++i) {
+    const cv::Mat image = Room().Render(PoseAt({0, 0, 0}, {0.01 * i, 0.02 * i, 0}));
+    EXPECT_EQ(run.Track(image).state, TrackingState::kInitialising);
+  }
+  run.Finish();
+  EXPECT_TRUE(run.keyframes.empty());
+}
+
+TEST(Tracker, LostAndFoundAgain) {
+  Lockstep run;
+  run.Walk(0, 40);
+  ASSERT_GE(run.replica.NumKeyframes(MapId(0)), 6);
+  const size_t keyframes = run.keyframes.size();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(run.Track(Room().Blank()).state, TrackingState::kLost);
+  }
+  EXPECT_EQ(run.keyframes.size(), keyframes);
+  // Carried back, far from where it was lost. Frame 43 and on show places 22 and on.
+  for (int i = 22; i < 28; ++i) {
+    const FramePose pose = run.Track(ImageOf(i));
+    EXPECT_EQ(pose.state, TrackingState::kTracking);
+    EXPECT_EQ(pose.map, MapId(0));
+    EXPECT_GE(pose.inliers, 50);
+  }
+  run.Finish();
+  const auto index = [](int64_t seq) { return static_cast<int>(seq < 40 ? seq : seq - 21); };
+  int count = 0;
+  EXPECT_LT(Rmse(run, index, &count), 0.01);
+  EXPECT_EQ(count, 46);
+}
+
+TEST(Tracker, AMapThatIsLostWhileYoungIsGivenUp) {
+  Lockstep run;
+  int i = 0;
+  while (run.keyframes.empty() && i < 30) run.Track(ImageOf(i++));
+  ASSERT_EQ(run.keyframes.size(), 2u);
+  EXPECT_EQ(run.Track(Room().Blank()).state, TrackingState::kInitialising);
+  EXPECT_EQ(run.replica.NumKeyframes(MapId(0)), 2) << "until there is another";
+  const int blank = i;
+  for (; i < 45; ++i) run.Track(ImageOf(i));
+  ASSERT_GT(run.keyframes.size(), 4u);
+  EXPECT_EQ(run.keyframes[2].role, KeyframeRole::kMapFirst);
+  EXPECT_EQ(run.keyframes[2].discarded_map, MapId(0));
+  EXPECT_EQ(run.keyframes[2].map, MapId(1));
+  EXPECT_EQ(run.replica.NumKeyframes(MapId(0)), 0);
+  EXPECT_EQ(run.replica.NumPoints(MapId(0)), 0);
+  run.Finish();
+  for (const auto& [seq, pose] : run.poses) {
+    if (pose.state == TrackingState::kTracking && seq > blank) {
+      EXPECT_EQ(pose.map, MapId(1));
+    }
+  }
+  EXPECT_NE(run.poses.at(blank).state, TrackingState::kTracking);
+  // Those after the blank image at least; those before it hang on the map that is gone, unless they
+  // were placed in the new one.
+  const auto index = [&](int64_t seq) { return static_cast<int>(seq < blank ? seq : seq - 1); };
+  int count = 0;
+  EXPECT_LT(Rmse(run, index, &count), 0.01);
+  EXPECT_GE(count, 45 - blank);
+}
+
+TEST(Tracker, GivesUpMapAfterMap) {
+  TrackerOptions options;
+  options.local_map.min_inliers = 100000;  // no frame passes
+  Lockstep run(options);
+  run.Walk(0, 25);
+  ASSERT_GE(run.keyframes.size(), 4u);
+  for (size_t k = 0; k < run.keyframes.size(); k += 2) {
+    const int map = static_cast<int>(k / 2);
+    EXPECT_EQ(run.keyframes[k].map, MapId(map));
+    EXPECT_EQ(run.keyframes[k].discarded_map, MapId(map - 1));
+    EXPECT_EQ(run.keyframes[k + 1].role, KeyframeRole::kMapSecond);
+    EXPECT_EQ(run.replica.NumKeyframes(MapId(map)), k + 2 == run.keyframes.size() ? 2 : 0);
+  }
+  for (const auto& [seq, pose] : run.poses) {
+    // Nothing of the attempt to track it in the old map is left.
+    EXPECT_TRUE(pose.covariance.isZero()) << seq;
+  }
+}
+
+TEST(Tracker, FollowsAMapThatChangesUnderIt) {
+  Lockstep run;
+  run.Walk(0, 30);
+  ASSERT_GE(run.replica.NumKeyframes(MapId(0)), 6);
+  SE3 before;
+  ASSERT_TRUE(run.PoseOf(29, &before));
+  // From here on the replica plays the owner, as long as the tracker proposes nothing.
+  Map owner = run.replica;
+  const KeyframeId reference = owner.LivingAncestor(run.poses.at(29).reference);
+  const SE3 shift(ExpSo3({0.3, 0.2, -0.1}), {2, -1, 0.5});
+  for (int32_t i = 0; i < owner.keyframe_end(); ++i) {
+    const Keyframe* keyframe = owner.Find(KeyframeId(i));
+    if (keyframe) owner.SetPose(keyframe->id, keyframe->cam_from_world * shift.Inverse());
+  }
+  std::vector<PointId> points;
+  for (int32_t i = 0; i < owner.point_end(); ++i) {
+    const MapPoint* point = owner.Find(PointId(i));
+    if (!point) continue;
+    points.push_back(point->id);
+    const Eigen::Vector3d normal = shift.rotation * point->normal;
+    owner.SetPosition(point->id, shift * point->position);
+    owner.SetView(point->id, normal, point->max_distance);
+  }
+  // One in ten goes, and one in ten is replaced by a copy.
+  for (size_t i = 0; i < points.size(); i += 10) owner.Erase(points[i]);
+  for (size_t i = 5; i < points.size(); i += 10) {
+    const MapPoint point = *owner.Find(points[i]);
+    const PointId copy = owner.CreatePoint(MapId(0), point.reference, point.position);
+    owner.SetView(copy, point.normal, point.max_distance);
+    owner.SetDescriptor(copy, point.descriptor);
+    owner.Fuse(point.id, copy);
+  }
+  if (owner.Find(reference)->parent.IsValid()) owner.Cull(reference);
+  const std::vector<MapDelta> deltas = owner.TakeDeltas(KeyframeId(), {});
+  // What does not continue the version at hand is refused.
+  MapDelta later = deltas.front();
+  later.base_version += 5;
+  EXPECT_FALSE(run.tracker.Apply(later));
+  EXPECT_EQ(run.tracker.map_version(), run.replica.version());
+  run.Apply(deltas);
+  SE3 after;
+  ASSERT_TRUE(run.PoseOf(29, &after)) << "through the parent of what was culled";
+  EXPECT_LT(LocalCoordinates(before * shift.Inverse(), after).norm(), 1e-6);
+
+  ImageFrame frame;
+  frame.frame_seq = 30;
+  frame.pixels = ImageOf(30);
+  const Tracker::Output output = run.tracker.Track(frame);
+  const FramePose* pose = nullptr;
+  for (const FramePose& p : output.poses) {
+    if (p.frame_seq == 30) pose = &p;
+  }
+  ASSERT_TRUE(pose);
+  ASSERT_EQ(pose->state, TrackingState::kTracking);
+  const double step = (OnTheWay(30).Center() - OnTheWay(29).Center()).norm();
+  const double unit = (OnTheWay(29).Center() - OnTheWay(20).Center()).norm();
+  SE3 earlier;
+  ASSERT_TRUE(run.PoseOf(20, &earlier));
+  const double map_unit = (after.Center() - earlier.Center()).norm();
+  EXPECT_NEAR((pose->cam_from_world.Center() - after.Center()).norm() / map_unit, step / unit,
+              0.03);
+  for (const KeyframeProposal& proposal : output.keyframes) {
+    EXPECT_NE(proposal.reference, reference) << "culled";
+    for (const PointId id : proposal.points) {
+      EXPECT_TRUE(!id.IsValid() || run.replica.Find(id)) << "erased or fused";
+    }
+  }
+}
+
+TEST(Tracker, ASnapshotReplacesTheReplica) {
+  Lockstep run;
+  run.Walk(0, 25);
+  ASSERT_FALSE(run.keyframes.empty());
+  for (const MapDelta& delta : run.mapper.Snapshot()) EXPECT_TRUE(run.tracker.Apply(delta));
+  EXPECT_EQ(run.tracker.map_version(), run.mapper.version());
+  EXPECT_EQ(run.Track(ImageOf(25)).state, TrackingState::kTracking);
+}
+
+TEST(Tracker, SameInputSameBytes) {
+  const auto run = [] {
+    Lockstep lockstep;
+    lockstep.Walk(0, 22);
+    lockstep.Track(Room().Blank());
+    lockstep.Walk(22, 26);
+    lockstep.Finish();
+    return lockstep.bytes;
+  };
+  const std::string once = run();
+  EXPECT_GT(once.size(), 100000u);
+  EXPECT_EQ(once, run());
+}
+
+}  // namespace
+}  // namespace vpslam
