@@ -23,7 +23,7 @@ MAPPING = ("keyframe,frame,timestamp,insertion_ms,feature_culling_ms,feature_cre
            "keyframe_culling_ms,local_ba_ms,total_ms\n")
 # The player writes the truth, the recorder the rest; both count how often they are called.
 FAKE = f"""#!/usr/bin/python3
-import os, pathlib, sys
+import os, pathlib, sys, time
 def option(flag): return sys.argv[sys.argv.index(flag) + 1]
 name = os.path.basename(sys.argv[0])
 poses = "".join(f"{{i / 10:.1f}} {{i}} {{i * i / 10}} 0 0 0 0 1\\n" for i in range(20))
@@ -33,6 +33,8 @@ if name == "player":
     pathlib.Path(option("--truth")).write_text(poses)
 if name == "recorder":
     out = pathlib.Path(option("--out"))
+    patience = time.monotonic() + 60
+    while not out.joinpath("truth.txt").exists() and time.monotonic() < patience: time.sleep(0.02)
     out.joinpath("trajectory.txt").write_text(poses)
     out.joinpath("frames.csv").write_text({TRACKING!r} + "".join(
         f"{{i}},{{i / 10}},tracking,9,1,1,2,,,,3,,,4,11\\n" for i in range(25)))
