@@ -47,8 +47,9 @@ struct Fixture {
       map.map.SetPosition(id, b_from_a * map.map.Find(id)->position);
     }
   }
-  BaSummary Adjust(const LocalBaOptions& options = kThorough) {
-    return AdjustLocally(last(), scene.camera, scene.scales, map.store, kNoAxes, options,
+  BaSummary Adjust(const LocalBaOptions& options = kThorough,
+                   const ManhattanFrame& axes = kNoAxes) {
+    return AdjustLocally(last(), scene.camera, scene.scales, map.store, axes, options,
                          options.max_iterations, &map.map);
   }
   std::vector<Eigen::Vector3d> Centers() const {
@@ -97,6 +98,32 @@ TEST(LocalBa, WhatIsLeftIsTheNoise) {
     // camera look alike.
     EXPECT_LT(RmseAligned(f.TrueCenters(), f.Centers()), 0.02);
   }
+}
+
+TEST(LocalBa, VanishingPointsTurnAKeyframeTheirWay) {
+  Fixture f(8, 7);
+  const KeyframeId odd(1);  // not among the latest, whose agreement gives birth to the frame
+  const Eigen::Vector3d turn_rad(0.02, -0.03, 0.015);
+  ManhattanFrame axes({.min_sigma_deg = 1e-3});
+  for (const auto& [id, view] : f.map.views) {
+    LineSet lines;
+    lines.manhattan = ManhattanState::kThree;
+    lines.vanishing_points.resize(3, {.support = 10});
+    lines.cam_from_manhattan = view.cam_from_world.rotation;
+    if (id == odd) lines.cam_from_manhattan = ExpSo3(turn_rad) * lines.cam_from_manhattan;
+    lines.covariance_rad2 = 1e-10 * Eigen::Matrix3d::Identity();
+    axes.Add(id, lines);
+  }
+  axes.Update(f.map.map);
+  const auto turned = [&] {
+    return LogSo3(f.map.map.Find(odd)->cam_from_world.rotation *
+                  f.map.views.at(odd).cam_from_world.rotation.conjugate());
+  };
+  f.Adjust();
+  EXPECT_LT(turned().norm(), 0.2 * turn_rad.norm());
+  f.Adjust(kThorough, axes);
+  // The frame itself is the mean of eight, one of which is turned.
+  EXPECT_LT((turned() - turn_rad).norm(), 0.3 * turn_rad.norm());
 }
 
 TEST(LocalBa, TheFirstKeyframeHoldsTheGauge) {
