@@ -5,8 +5,6 @@ import pathlib
 import subprocess
 
 from vpslam_tools import install_build, multicast, paths
-from vpslam_tools.benchmark.runs import write_json
-from vpslam_tools.benchmark.tables import markdown
 from vpslam_tools.errors import UserError
 
 NAME = "micro"
@@ -27,6 +25,8 @@ def add_arguments(group):
 
 def run(args):
     install_build.prepare()
+    # What needs numpy, which may have just been installed.
+    from vpslam_tools.benchmark.runs import write_json
     multicast.ensure_multicast()
     measured = measure(args)
     write_json(args.out / "micro.json", measured)
@@ -89,6 +89,7 @@ def cpu():
 
 
 def describe(measured, baseline):
+    from vpslam_tools.benchmark.tables import markdown  # needs numpy, as above
     rows = []
     for name, ns in measured["least_ns"].items():
         before = baseline["least_ns"].get(name)
