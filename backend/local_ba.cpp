@@ -198,16 +198,11 @@ int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyrami
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const ManhattanFrame& manhattan,
                         const LocalBaOptions& options, int max_iterations, Map* map) {
-  Window window = ChooseWindow(keyframe, options, *map);
-  BaSummary summary;
-  for (int round = 0; round < options.rounds; ++round) {
-    Adjustment adjustment(window, camera, scales, store, manhattan, *map);
-    summary = adjustment.Solve(max_iterations, options.function_tolerance);
-    adjustment.WriteBack(map);
-    summary.outliers = RemoveOutliers(window, camera, scales, store, map);
-    std::erase_if(window.points, [map](PointId id) { return !map->Find(id); });
-    if (summary.outliers == 0) break;
-  }
+  const Window window = ChooseWindow(keyframe, options, *map);
+  Adjustment adjustment(window, camera, scales, store, manhattan, *map);
+  BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
+  adjustment.WriteBack(map);
+  summary.outliers = RemoveOutliers(window, camera, scales, store, map);
   for (const PointId point : window.points) UpdateView(point, store, scales, map);
   return summary;
 }

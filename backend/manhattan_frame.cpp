@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "core/geometry/axis_naming.h"
@@ -80,17 +80,16 @@ void ManhattanFrame::Update(const Map& map) {
 
 void ManhattanFrame::TryBirth(const Map& map) {
   if (static_cast<int>(entries_.size()) < options_.keyframes_to_birth) return;
-  auto at = std::prev(entries_.end());
+  auto at = entries_.rbegin();
   const Eigen::Quaterniond latest =
       WorldFromManhattan(at->second.measurement, *map.Find(at->first));
   MeanRotation mean(latest);
   std::vector<Eigen::Quaterniond> all;
-  for (int i = 0; i < options_.keyframes_to_birth; ++i, --at) {
+  for (int i = 0; i < options_.keyframes_to_birth; ++i, ++at) {
     const Keyframe& keyframe = *map.Find(at->first);
     Rename(keyframe.cam_from_world.rotation * latest, &at->second.measurement);
     all.push_back(WorldFromManhattan(at->second.measurement, keyframe));
     mean.Add(all.back(), 1.0);
-    if (at == entries_.begin() && i + 1 < options_.keyframes_to_birth) return;
   }
   const Eigen::Quaterniond candidate = mean.Get();
   const double max_spread = options_.max_birth_spread_deg * kRadPerDeg;

@@ -8,7 +8,6 @@
 
 #include <map>
 #include <optional>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -45,13 +44,12 @@ class ManhattanFrame {
     ManhattanMeasurement measurement;
     bool fits = false;
   };
-  using Entries = std::map<KeyframeId, Entry>;
 
   void TryBirth(const Map& map);
   void Fit(const Map& map);
 
   ManhattanOptions options_;
-  Entries entries_;
+  std::map<KeyframeId, Entry> entries_;
   std::optional<Eigen::Quaterniond> frame_;
 };
 

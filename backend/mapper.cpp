@@ -147,6 +147,15 @@ std::optional<std::string> MapperOptions::Validate() const {
   if (const auto why = orb.Validate()) return why;
   if (ba.max_keyframes < 2 || ba.max_iterations < 1) return "ba: needs 2 keyframes, 1 iteration";
   if (creator.neighbours < 1 || fuser.neighbours < 1) return "neighbours must be at least 1";
+  if (manhattan.keyframes_to_birth < 1 || manhattan.loss_window < 1) {
+    return "manhattan: keyframes_to_birth and loss_window must be at least 1";
+  }
+  if (!(manhattan.min_sigma_deg > 0) || !(manhattan.max_sigma_deg > 0)) {
+    return "manhattan: min_sigma_deg and max_sigma_deg must be above 0";
+  }
+  if (!(manhattan.max_innovation_deg > 0 && manhattan.max_innovation_deg < 45)) {
+    return "manhattan: max_innovation_deg must lie in 0 to 45, where axes change names";
+  }
   return std::nullopt;
 }
 

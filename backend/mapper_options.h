@@ -14,7 +14,6 @@ struct LocalBaOptions {
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
   int min_shared_points = 15;    ///< with the new keyframe, to be moved
   int max_iterations = 10;
-  int rounds = 1;                    ///< of adjustment and removal of outliers
   int max_iterations_to_start = 30;  ///< for the two views of a new map
   double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
 
@@ -24,7 +23,6 @@ struct LocalBaOptions {
     v("max_fixed_keyframes", max_fixed_keyframes);
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
-    v("rounds", rounds);
     v("max_iterations_to_start", max_iterations_to_start);
     v("function_tolerance", function_tolerance);
   }
@@ -93,8 +91,8 @@ struct ManhattanOptions {
   bool enabled = true;         ///< hold bundle adjustment to the frame; needs detectors
   int min_support = 5;         ///< distinct lines that at least two axes need
   double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
-  /// Floor of the measurement's standard deviations, for detectors are more certain than they are
-  /// right, and err alike in images that are alike.
+  /// Comes on top of the measurement's own standard deviations: detectors are more certain than
+  /// they are right, and err alike in images that are alike.
   double min_sigma_deg = 0.3;
   double max_innovation_deg = 3.0;  ///< between measurement and map: beyond it is not used
   /// The frame is born when as many keyframes in a row agree ...
