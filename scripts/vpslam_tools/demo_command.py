@@ -27,7 +27,7 @@ def run(args):
         raise UserError(f"--scene {args.scene}: is not simulated; for other sequences there is "
                         f"`vpslam run {args.scene}`")
     install_build.prepare()
-    out = pathlib.Path(args.out).resolve() if args.out else run_command.default_out("demo")
+    out = pathlib.Path(args.out).resolve() if args.out else run_command.make_default_out("demo")
     print(f"A camera goes round {args.scene}, which exists in code alone (docs/simulator.md).",
           flush=True)
     status = run_command.run(run_options(args, out))

@@ -2,6 +2,7 @@
 
 import argparse
 import datetime
+import itertools
 import json
 import os
 import pathlib
@@ -64,13 +65,12 @@ def run(args):
     url = args.url or multicast.free_url()
     if url.startswith("udpm"):
         multicast.ensure_multicast()
-    out = pathlib.Path(args.out).resolve() if args.out else default_out(args.sequence)
+    out = pathlib.Path(args.out).resolve() if args.out else make_default_out(args.sequence)
     logs = out / "logs"
     try:
         logs.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UserError(f"{out}: cannot be made ({error.strerror}); name another folder with --out"
-                        ) from None
+        raise cannot_be_made(out, error) from None
     (out / "summary.json").unlink(missing_ok=True)  # of an earlier run: it marks complete results
     session = str(args.session or random.SystemRandom().randrange(1, 1 << 62))
     run_record = {"session": session, "url": url, "sequence": args.sequence,
@@ -96,14 +96,23 @@ def check_input(args):
                             "backend.KEY=VALUE or vpdetector.KEY=VALUE")
 
 
-def default_out(sequence):
+def cannot_be_made(folder, error):
+    return UserError(f"{folder}: cannot be made ({error.strerror}); name another folder with --out")
+
+
+def make_default_out(sequence):
+    """A new folder: of runs that start in the same second, each gets its own."""
     stamp = datetime.datetime.now().strftime("%Y-%m-%d_%H%M%S")
     name = f"{stamp}-{sources.short_name(sequence)}"
     path = pathlib.Path("results", name).resolve()
-    repeat = 2
-    while path.exists():
-        path, repeat = path.with_name(f"{name}-{repeat}"), repeat + 1
-    return path
+    for repeat in itertools.count(2):
+        try:
+            path.mkdir(parents=True)
+            return path
+        except FileExistsError:
+            path = path.with_name(f"{name}-{repeat}")
+        except OSError as error:
+            raise cannot_be_made(path, error) from None
 
 
 def launch(run_record, commands, detectors, logs, progress):
