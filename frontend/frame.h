@@ -22,6 +22,7 @@ struct Frame {
   FeatureGrid grid;
   std::vector<PointId> points;           ///< per feature; invalid where none is matched
   std::shared_ptr<const LineSet> lines;  ///< nullptr without a detector
+  std::vector<LineId> map_lines;         ///< per line; invalid where none is matched
   SE3 cam_from_world;
   Matrix6d covariance = Matrix6d::Zero();
   KeyframeId reference;  ///< what the pose hangs on when the map is corrected

@@ -37,6 +37,8 @@ KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map) {
   proposal.points = frame.points;
   proposal.points.resize(frame.features.size());
   if (frame.lines) proposal.lines = *frame.lines;
+  proposal.map_lines = frame.map_lines;
+  proposal.map_lines.resize(proposal.lines.lines.size());
   return proposal;
 }
 

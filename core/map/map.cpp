@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 
 namespace vpslam {
 namespace {
@@ -14,15 +15,43 @@ std::vector<Observation>::iterator LowerBound(std::vector<Observation>& observat
                           [](const Observation& o, KeyframeId id) { return o.keyframe < id; });
 }
 
+template <class Landmarks, class Id>
+auto* FindLiving(Landmarks& landmarks, Id id) {
+  using Landmark = std::remove_reference_t<decltype(landmarks[0])>;
+  if (id.value < 0 || id.value >= static_cast<int32_t>(landmarks.size())) {
+    return static_cast<Landmark*>(nullptr);
+  }
+  Landmark& landmark = landmarks[id.value];
+  return landmark.id.IsValid() && !landmark.erased ? &landmark : nullptr;
+}
+
+template <class Landmarks, class Id>
+Id ResolveAmong(const Landmarks& landmarks, Id id) {
+  for (int i = 0; i < kMaxTreeDepth; ++i) {
+    if (id.value < 0 || id.value >= static_cast<int32_t>(landmarks.size())) return {};
+    if (!landmarks[id.value].id.IsValid()) return {};
+    if (!landmarks[id.value].erased) return id;
+    id = landmarks[id.value].replacement;
+  }
+  return {};
+}
+
+template <class Landmarks>
+int CountIn(const Landmarks& landmarks, MapId map) {
+  return static_cast<int>(
+      std::count_if(landmarks.begin(), landmarks.end(), [map](const auto& landmark) {
+        return landmark.id.IsValid() && !landmark.erased && landmark.map == map;
+      }));
+}
+
 }  // namespace
 
 // ---- Reading ----
 
-const MapPoint* Map::Find(PointId id) const {
-  if (id.value < 0 || id.value >= point_end()) return nullptr;
-  const MapPoint& point = points_[id.value];
-  return point.id.IsValid() && !point.erased ? &point : nullptr;
-}
+const MapPoint* Map::Find(PointId id) const { return FindLiving(points_, id); }
+const MapLine* Map::Find(LineId id) const { return FindLiving(lines_, id); }
+PointId Map::Resolve(PointId id) const { return ResolveAmong(points_, id); }
+LineId Map::Resolve(LineId id) const { return ResolveAmong(lines_, id); }
 
 const Keyframe* Map::FindEvenCulled(KeyframeId id) const {
   if (id.value < 0 || id.value >= keyframe_end()) return nullptr;
@@ -33,15 +62,6 @@ const Keyframe* Map::FindEvenCulled(KeyframeId id) const {
 const Keyframe* Map::Find(KeyframeId id) const {
   const Keyframe* keyframe = FindEvenCulled(id);
   return keyframe && !keyframe->culled ? keyframe : nullptr;
-}
-
-PointId Map::Resolve(PointId id) const {
-  for (int i = 0; i < kMaxTreeDepth; ++i) {
-    if (id.value < 0 || id.value >= point_end() || !points_[id.value].id.IsValid()) return {};
-    if (!points_[id.value].erased) return id;
-    id = points_[id.value].replacement;
-  }
-  return {};
 }
 
 bool Map::CamFromWorld(KeyframeId id, SE3* cam_from_world) const {
@@ -77,6 +97,11 @@ std::vector<std::pair<KeyframeId, int>> Map::Covisible(KeyframeId id, int min_sh
     if (!point) continue;
     for (const Observation& o : point->observations) ++shared[o.keyframe.value];
   }
+  for (const LineId line_id : keyframe->lines) {
+    const MapLine* line = Find(line_id);
+    if (!line) continue;
+    for (const Observation& o : line->observations) ++shared[o.keyframe.value];
+  }
   shared[id.value] = 0;
   std::vector<std::pair<KeyframeId, int>> result;
   for (int32_t i = 0; i < keyframe_end(); ++i) {
@@ -93,10 +118,13 @@ int Map::NumKeyframes(MapId map) const {
       [map](const Keyframe& k) { return k.id.IsValid() && !k.culled && k.map == map; }));
 }
 
-int Map::NumPoints(MapId map) const {
-  return static_cast<int>(std::count_if(points_.begin(), points_.end(), [map](const MapPoint& p) {
-    return p.id.IsValid() && !p.erased && p.map == map;
-  }));
+int Map::NumPoints(MapId map) const { return CountIn(points_, map); }
+int Map::NumLines(MapId map) const { return CountIn(lines_, map); }
+
+std::optional<Eigen::Quaterniond> Map::WorldFromManhattan(MapId map) const {
+  const auto at = manhattan_frames_.find(map);
+  if (at == manhattan_frames_.end()) return std::nullopt;
+  return at->second;
 }
 
 // ---- Changing ----
@@ -111,16 +139,24 @@ MapPoint& Map::Mutable(PointId id) {
   return points_[id.value];
 }
 
+MapLine& Map::Mutable(LineId id) {
+  if (id.value >= line_end()) lines_.resize(id.value + 1);
+  return lines_[id.value];
+}
+
 void Map::Insert(const Keyframe& keyframe) {
-  Mutable(keyframe.id) = keyframe;
-  std::fill(keyframes_[keyframe.id.value].points.begin(),
-            keyframes_[keyframe.id.value].points.end(), PointId());
+  Keyframe& stored = Mutable(keyframe.id);
+  stored = keyframe;
+  std::fill(stored.points.begin(), stored.points.end(), PointId());
+  std::fill(stored.lines.begin(), stored.lines.end(), LineId());
   changes_.keyframes.insert(keyframe.id);
-  for (size_t i = 0; i < keyframe.points.size(); ++i) {
-    if (Find(keyframe.points[i])) {
-      Observe(keyframe.id, static_cast<int32_t>(i), keyframe.points[i]);
+  const auto observe = [&](const auto& landmarks) {
+    for (size_t i = 0; i < landmarks.size(); ++i) {
+      if (Find(landmarks[i])) Observe(keyframe.id, static_cast<int32_t>(i), landmarks[i]);
     }
-  }
+  };
+  observe(keyframe.points);
+  observe(keyframe.lines);
 }
 
 PointId Map::CreatePoint(MapId map, KeyframeId reference, const Eigen::Vector3d& position) {
@@ -135,69 +171,115 @@ PointId Map::CreatePoint(MapId map, KeyframeId reference, const Eigen::Vector3d&
   return point.id;
 }
 
-void Map::Observe(KeyframeId keyframe_id, int32_t feature, PointId point_id) {
+LineId Map::CreateLine(MapId map, KeyframeId reference, const Eigen::Vector3d& start,
+                       const Eigen::Vector3d& end) {
+  MapLine line;
+  line.id = LineId(line_end());
+  line.map = map;
+  line.reference = reference;
+  line.start = start;
+  line.end = end;
+  lines_.push_back(line);
+  changes_.lines.insert(line.id);
+  return line.id;
+}
+
+template <class Id>
+void Map::ObserveAny(KeyframeId keyframe_id, int32_t feature, Id id) {
   Keyframe& keyframe = Mutable(keyframe_id);
-  MapPoint& point = Mutable(point_id);
-  if (feature >= static_cast<int32_t>(keyframe.points.size())) keyframe.points.resize(feature + 1);
-  const auto at = LowerBound(point.observations, keyframe_id);
-  // One observation of a point per keyframe, one point per feature: the first stays.
-  if (at != point.observations.end() && at->keyframe == keyframe_id) return;
-  if (keyframe.points[feature].IsValid()) return;
-  keyframe.points[feature] = point_id;
-  point.observations.insert(at, {keyframe_id, feature});
+  auto& landmark = Mutable(id);
+  std::vector<Id>& slots = Slots(keyframe, id);
+  if (feature >= static_cast<int32_t>(slots.size())) slots.resize(feature + 1);
+  const auto at = LowerBound(landmark.observations, keyframe_id);
+  // One observation of a landmark per keyframe, one landmark per feature: the first stays.
+  if (at != landmark.observations.end() && at->keyframe == keyframe_id) return;
+  if (slots[feature].IsValid()) return;
+  slots[feature] = id;
+  landmark.observations.insert(at, {keyframe_id, feature});
   changes_.keyframes.insert(keyframe_id);
 }
 
-void Map::RemoveObservation(MapPoint& point, KeyframeId keyframe_id) {
-  const auto at = LowerBound(point.observations, keyframe_id);
-  if (at == point.observations.end() || at->keyframe != keyframe_id) return;
-  Mutable(keyframe_id).points[at->feature] = PointId();
-  point.observations.erase(at);
+template <class Landmark>
+void Map::RemoveObservation(Landmark& landmark, KeyframeId keyframe_id) {
+  const auto at = LowerBound(landmark.observations, keyframe_id);
+  if (at == landmark.observations.end() || at->keyframe != keyframe_id) return;
+  Slots(Mutable(keyframe_id), landmark.id)[at->feature] = {};
+  landmark.observations.erase(at);
   changes_.keyframes.insert(keyframe_id);
 }
 
-void Map::Unobserve(KeyframeId keyframe_id, PointId point_id) {
-  MapPoint& point = Mutable(point_id);
-  RemoveObservation(point, keyframe_id);
-  if (point.observations.size() < 2) Erase(point_id);
+// For replication.cpp.
+template void Map::RemoveObservation(MapPoint&, KeyframeId);
+template void Map::RemoveObservation(MapLine&, KeyframeId);
+
+template <class Id>
+void Map::UnobserveAny(KeyframeId keyframe_id, Id id) {
+  auto& landmark = Mutable(id);
+  RemoveObservation(landmark, keyframe_id);
+  if (landmark.observations.size() < 2) EraseAny(id);
 }
 
-void Map::Erase(PointId point_id) {
-  MapPoint& point = Mutable(point_id);
-  if (point.erased) return;
-  while (!point.observations.empty()) {
-    RemoveObservation(point, point.observations.back().keyframe);
+void Map::NoteErasure(PointId id) {
+  changes_.tombstones.insert(id);
+  changes_.appearances.erase(id);
+  changes_.geometries.erase(id);
+}
+
+void Map::NoteErasure(LineId id) {
+  changes_.line_tombstones.insert(id);
+  changes_.lines.erase(id);
+}
+
+template <class Id>
+void Map::EraseAny(Id id) {
+  auto& landmark = Mutable(id);
+  if (landmark.erased) return;
+  while (!landmark.observations.empty()) {
+    RemoveObservation(landmark, landmark.observations.back().keyframe);
   }
-  point.erased = true;
-  changes_.tombstones.insert(point_id);
-  changes_.appearances.erase(point_id);
-  changes_.geometries.erase(point_id);
+  landmark.erased = true;
+  NoteErasure(id);
 }
 
-void Map::Fuse(PointId from, PointId to) {
+template <class Id>
+void Map::FuseAny(Id from, Id to) {
   if (from == to) return;
-  MapPoint& source = Mutable(from);
+  auto& source = Mutable(from);
   const std::vector<Observation> moved = source.observations;
   for (const Observation& o : moved) {
     RemoveObservation(source, o.keyframe);
-    Observe(o.keyframe, o.feature, to);
+    ObserveAny(o.keyframe, o.feature, to);
   }
   source.replacement = to;
-  Erase(from);
+  EraseAny(from);
 }
+
+void Map::Observe(KeyframeId k, int32_t feature, PointId id) { ObserveAny(k, feature, id); }
+void Map::Observe(KeyframeId k, int32_t segment, LineId id) { ObserveAny(k, segment, id); }
+void Map::Unobserve(KeyframeId keyframe, PointId id) { UnobserveAny(keyframe, id); }
+void Map::Unobserve(KeyframeId keyframe, LineId id) { UnobserveAny(keyframe, id); }
+void Map::Erase(PointId id) { EraseAny(id); }
+void Map::Erase(LineId id) { EraseAny(id); }
+void Map::Fuse(PointId from, PointId to) { FuseAny(from, to); }
+void Map::Fuse(LineId from, LineId to) { FuseAny(from, to); }
 
 void Map::Cull(KeyframeId id) {
   Keyframe& keyframe = Mutable(id);
   if (keyframe.culled || !keyframe.parent.IsValid()) return;
-  const std::vector<PointId> observed = keyframe.points;
-  for (const PointId point : observed) {
+  const std::vector<PointId> points = keyframe.points;
+  for (const PointId point : points) {
     if (point.IsValid()) Unobserve(id, point);
+  }
+  const std::vector<LineId> lines = keyframe.lines;
+  for (const LineId line : lines) {
+    if (line.IsValid()) Unobserve(id, line);
   }
   SE3 parent_from_world;
   CamFromWorld(keyframe.parent, &parent_from_world);
   keyframe.cam_from_parent = keyframe.cam_from_world * parent_from_world.Inverse();
   keyframe.culled = true;
   keyframe.points.clear();
+  keyframe.lines.clear();
   changes_.keyframes.insert(id);
   for (Keyframe& child : keyframes_) {
     if (child.id.IsValid() && !child.culled && child.parent == id) {
@@ -208,15 +290,23 @@ void Map::Cull(KeyframeId id) {
 }
 
 void Map::EraseMap(MapId map) {
+  const auto erase = [map](auto& landmark) {
+    if (!landmark.id.IsValid() || landmark.map != map) return false;
+    landmark.erased = true;
+    landmark.observations.clear();
+    landmark.replacement = {};
+    return true;
+  };
   for (MapPoint& point : points_) {
-    if (point.id.IsValid() && point.map == map) {
-      point.erased = true;
-      point.observations.clear();
-      point.replacement = PointId();
-      changes_.appearances.erase(point.id);
-      changes_.geometries.erase(point.id);
-      changes_.tombstones.erase(point.id);
-    }
+    if (!erase(point)) continue;
+    changes_.appearances.erase(point.id);
+    changes_.geometries.erase(point.id);
+    changes_.tombstones.erase(point.id);
+  }
+  for (MapLine& line : lines_) {
+    if (!erase(line)) continue;
+    changes_.lines.erase(line.id);
+    changes_.line_tombstones.erase(line.id);
   }
   for (Keyframe& keyframe : keyframes_) {
     if (keyframe.id.IsValid() && keyframe.map == map) {
@@ -224,6 +314,8 @@ void Map::EraseMap(MapId map) {
       keyframe = Keyframe();
     }
   }
+  manhattan_frames_.erase(map);
+  changes_.manhattan_frames.erase(map);
   erased_maps_.insert(map);
   changes_.erased_maps.insert(map);
 }
@@ -255,6 +347,33 @@ void Map::SetDescriptor(PointId point, const Descriptor& descriptor) {
   if (p.descriptor == descriptor) return;
   p.descriptor = descriptor;
   changes_.appearances.insert(point);
+}
+
+void Map::SetEnds(LineId line, const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
+  MapLine& l = Mutable(line);
+  l.start = start;
+  l.end = end;
+  changes_.lines.insert(line);
+}
+
+void Map::SetDescriptor(LineId line, const Descriptor& descriptor) {
+  Mutable(line).descriptor = descriptor;
+  changes_.lines.insert(line);
+}
+
+void Map::SetAxis(LineId line, int32_t axis) {
+  if (Mutable(line).axis == axis) return;
+  Mutable(line).axis = axis;
+  changes_.lines.insert(line);
+}
+
+void Map::SetManhattan(MapId map, const std::optional<Eigen::Quaterniond>& world_from_manhattan) {
+  if (world_from_manhattan) {
+    manhattan_frames_[map] = *world_from_manhattan;
+  } else if (manhattan_frames_.erase(map) == 0) {
+    return;
+  }
+  changes_.manhattan_frames.insert(map);
 }
 
 }  // namespace vpslam

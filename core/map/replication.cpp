@@ -10,7 +10,9 @@ namespace {
 // fragment loses the message, and the kernel may cap the buffer at 212 kB.
 constexpr size_t kMaxPartBytes = 48'000;
 constexpr size_t kKeyframeBytes = 160;
-constexpr size_t kFeaturePointBytes = 8;
+constexpr size_t kObservationBytes = 8;
+constexpr size_t kLineBytes = 72;
+constexpr size_t kManhattanBytes = 40;
 constexpr size_t kAppearanceBytes = 48;
 constexpr size_t kGeometryBytes = 32;
 constexpr size_t kTombstoneBytes = 8;
@@ -48,17 +50,20 @@ KeyframeState Map::State(const Keyframe& keyframe) const {
   state.cam_from_world = keyframe.cam_from_world;
   state.parent = keyframe.parent;
   state.cam_from_parent = keyframe.cam_from_parent;
-  for (size_t i = 0; i < keyframe.points.size(); ++i) {
-    if (keyframe.points[i].IsValid()) {
-      state.observations.push_back({static_cast<int32_t>(i), keyframe.points[i]});
+  const auto list = [](const auto& slots, auto* observations) {
+    for (size_t i = 0; i < slots.size(); ++i) {
+      if (slots[i].IsValid()) observations->push_back({static_cast<int32_t>(i), slots[i]});
     }
-  }
+  };
+  list(keyframe.points, &state.points);
+  list(keyframe.lines, &state.lines);
   return state;
 }
 
 std::vector<MapDelta> Map::Parts(const MapChanges& changes) const {
   PartWriter writer;
-  // Points before the keyframes that observe them, so that no part refers to what is still to come.
+  // Points and lines before the keyframes that observe them, so that no part refers to what is
+  // still to come.
   for (const MapId map : changes.erased_maps) writer.Room(4).erased_maps.push_back(map);
   for (const PointId id : changes.appearances) {
     const MapPoint& p = points_[id.value];
@@ -70,13 +75,26 @@ std::vector<MapDelta> Map::Parts(const MapChanges& changes) const {
         .geometries.push_back({p.id, p.position.cast<float>(), p.normal.cast<float>(),
                                static_cast<float>(p.max_distance)});
   }
+  for (const LineId id : changes.lines) {
+    const MapLine& l = lines_[id.value];
+    writer.Room(kLineBytes)
+        .lines.push_back({l.id, l.map, l.reference, l.start.cast<float>(), l.end.cast<float>(),
+                          l.descriptor, l.axis});
+  }
   for (const KeyframeId id : changes.keyframes) {
     KeyframeState state = State(keyframes_[id.value]);
-    const size_t bytes = kKeyframeBytes + kFeaturePointBytes * state.observations.size();
+    const size_t bytes =
+        kKeyframeBytes + kObservationBytes * (state.points.size() + state.lines.size());
     writer.Room(bytes).keyframes.push_back(std::move(state));
   }
   for (const PointId id : changes.tombstones) {
     writer.Room(kTombstoneBytes).tombstones.push_back({id, points_[id.value].replacement});
+  }
+  for (const LineId id : changes.line_tombstones) {
+    writer.Room(kTombstoneBytes).line_tombstones.push_back({id, lines_[id.value].replacement});
+  }
+  for (const MapId map : changes.manhattan_frames) {
+    writer.Room(kManhattanBytes).manhattan_frames.push_back({map, WorldFromManhattan(map)});
   }
   return writer.Finish();
 }
@@ -108,6 +126,12 @@ std::vector<MapDelta> Map::Snapshot() const {
       everything.geometries.insert(p.id);
     }
   }
+  for (const MapLine& l : lines_) {
+    if (!l.id.IsValid()) continue;
+    if (!l.erased) everything.lines.insert(l.id);
+    if (l.erased && l.replacement.IsValid()) everything.line_tombstones.insert(l.id);
+  }
+  for (const auto& [map, frame] : manhattan_frames_) everything.manhattan_frames.insert(map);
   std::vector<MapDelta> parts = Parts(everything);
   // Intermediate versions are negative: a replica that holds half a snapshot can't be mistaken for
   // one at a real version, and takes up deltas only once the last part has come.
@@ -120,16 +144,28 @@ std::vector<MapDelta> Map::Snapshot() const {
   return parts;
 }
 
-void Map::ApplyObservations(Keyframe& keyframe, const std::vector<FeaturePoint>& observations) {
-  const std::vector<PointId> before = keyframe.points;
-  for (const PointId id : before) {
-    if (id.IsValid() && id.value < point_end()) RemoveObservation(points_[id.value], keyframe.id);
+template <class Id>
+void Map::ApplyObservations(KeyframeId keyframe, const std::vector<FeatureObservation<Id>>& now) {
+  std::vector<Id>& slots = Slots(Mutable(keyframe), Id());
+  const std::vector<Id> before = slots;
+  for (const Id id : before) {
+    if (id.IsValid()) RemoveObservation(Mutable(id), keyframe);
   }
-  keyframe.points.clear();
-  for (const FeaturePoint& o : observations) {
-    if (o.feature < 0 || !Find(o.point)) continue;
-    Observe(keyframe.id, o.feature, o.point);
+  slots.clear();
+  for (const FeatureObservation<Id>& o : now) {
+    if (o.feature >= 0 && Find(o.landmark)) Observe(keyframe, o.feature, o.landmark);
   }
+}
+
+template <class Id>
+void Map::ApplyTombstone(const Tombstone<Id>& tombstone) {
+  auto& landmark = Mutable(tombstone.id);
+  landmark.id = tombstone.id;
+  while (!landmark.observations.empty()) {
+    RemoveObservation(landmark, landmark.observations.back().keyframe);
+  }
+  landmark.erased = true;
+  landmark.replacement = tombstone.replacement;
 }
 
 bool Map::Apply(const MapDelta& delta) {
@@ -150,25 +186,35 @@ bool Map::Apply(const MapDelta& delta) {
     p.normal = g.normal.cast<double>();
     p.max_distance = g.max_distance;
   }
+  for (const LineState& state : delta.lines) {
+    MapLine& l = Mutable(state.id);
+    l.id = state.id;
+    l.map = state.map;
+    l.reference = state.reference;
+    l.start = state.start.cast<double>();
+    l.end = state.end.cast<double>();
+    l.descriptor = state.descriptor;
+    l.axis = state.axis;
+    l.erased = false;
+  }
   // Lists of observations are absolute per keyframe: take all old ones away before the new are
   // made, or a feature that changed hands between two keyframes would be refused.
   for (const KeyframeState& s : delta.keyframes) {
     Keyframe& k = Mutable(s.id);
-    const std::vector<PointId> points = std::move(k.points);
-    k = {s.id,        s.map,
-         s.frame_seq, s.stamp_us,
-         s.culled,    s.cam_from_world,
-         s.parent,    s.cam_from_parent,
-         points};
-    ApplyObservations(k, s.observations);
+    k.id = s.id;
+    k.map = s.map;
+    k.frame_seq = s.frame_seq;
+    k.stamp_us = s.stamp_us;
+    k.culled = s.culled;
+    k.cam_from_world = s.cam_from_world;
+    k.parent = s.parent;
+    k.cam_from_parent = s.cam_from_parent;
+    ApplyObservations(s.id, s.points);
+    ApplyObservations(s.id, s.lines);
   }
-  for (const PointTombstone& t : delta.tombstones) {
-    MapPoint& p = Mutable(t.id);
-    p.id = t.id;
-    while (!p.observations.empty()) RemoveObservation(p, p.observations.back().keyframe);
-    p.erased = true;
-    p.replacement = t.replacement;
-  }
+  for (const auto& tombstone : delta.tombstones) ApplyTombstone(tombstone);
+  for (const auto& tombstone : delta.line_tombstones) ApplyTombstone(tombstone);
+  for (const MapManhattan& m : delta.manhattan_frames) SetManhattan(m.map, m.world_from_manhattan);
   version_ = delta.version;
   changes_ = MapChanges();
   return true;

@@ -48,6 +48,7 @@ struct KeyframeProposal {
   std::vector<PointSighting> sightings;
   std::vector<InitialPoint> initial_points;
   LineSet lines;
+  std::vector<LineId> map_lines;  ///< per line: the map line it observes, invalid for none
 };
 
 }  // namespace vpslam

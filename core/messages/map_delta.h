@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
@@ -17,10 +19,11 @@
 
 namespace vpslam {
 
-/// Feature `feature` of a keyframe observes map point `point`.
-struct FeaturePoint {
+/// A keyframe's feature or line segment, by index, observes a map point or line.
+template <class Id>
+struct FeatureObservation {
   int32_t feature = 0;
-  PointId point;
+  Id landmark;
 };
 
 struct KeyframeState {
@@ -34,7 +37,8 @@ struct KeyframeState {
   SE3 cam_from_world;   ///< of a culled keyframe: to be derived from parent and cam_from_parent
   KeyframeId parent;    ///< invalid for the first keyframe of a map
   SE3 cam_from_parent;  ///< fixed at culling
-  std::vector<FeaturePoint> observations;
+  std::vector<FeatureObservation<PointId>> points;
+  std::vector<FeatureObservation<LineId>> lines;
 };
 
 /// What local bundle adjustment moves.
@@ -53,10 +57,28 @@ struct PointAppearance {
   Descriptor descriptor{};
 };
 
-/// The point is gone; where it was fused into another, `replacement` is valid.
-struct PointTombstone {
-  PointId id;
-  PointId replacement;
+/// See core/map/map.h.
+struct LineState {
+  LineId id;
+  MapId map;
+  KeyframeId reference;
+  Eigen::Vector3f start = Eigen::Vector3f::Zero();  ///< in world
+  Eigen::Vector3f end = Eigen::Vector3f::Zero();
+  Descriptor descriptor{};
+  int32_t axis = -1;
+};
+
+/// The point or line is gone; where it was fused into another, `replacement` is valid.
+template <class Id>
+struct Tombstone {
+  Id id;
+  Id replacement;
+};
+
+/// The Manhattan frame of a map; see backend/manhattan_frame.h.
+struct MapManhattan {
+  MapId map;
+  std::optional<Eigen::Quaterniond> world_from_manhattan;  ///< none (any more)
 };
 
 struct MapDelta {
@@ -70,7 +92,10 @@ struct MapDelta {
   std::vector<KeyframeState> keyframes;
   std::vector<PointAppearance> appearances;  ///< of new and of changed points
   std::vector<PointGeometry> geometries;
-  std::vector<PointTombstone> tombstones;
+  std::vector<Tombstone<PointId>> tombstones;
+  std::vector<LineState> lines;  ///< new and changed
+  std::vector<Tombstone<LineId>> line_tombstones;
+  std::vector<MapManhattan> manhattan_frames;
 };
 
 }  // namespace vpslam

@@ -63,15 +63,16 @@ struct Wire<Truth> {
 template <>
 struct Wire<KeyframeProposal> {
   using Type = keyframe_t;
-  // features (with the id of a map point), sightings, initial points, lines, vanishing points
+  // features and lines (each with the id of a map point or line), sightings, initial points, ...
   static constexpr std::array<int64_t, 5> kElementBytes{kKeypointBytes + kDescriptorBytes + 4, 12,
-                                                        32, kLineBytes, kVanishingPointBytes};
+                                                        32, kLineBytes + 4, kVanishingPointBytes};
 };
 template <>
 struct Wire<MapDelta> {
   using Type = map_delta_t;
-  // erased maps, keyframes, observations, appearances, geometries, tombstones
-  static constexpr std::array<int64_t, 6> kElementBytes{4, 145, 8, 44, 32, 8};
+  // erased maps, keyframes, observations, appearances, geometries, tombstones, observations of
+  // lines, lines, their tombstones, Manhattan frames
+  static constexpr std::array<int64_t, 10> kElementBytes{4, 149, 8, 44, 32, 8, 8, 72, 8, 37};
 };
 template <>
 struct Wire<MapRequest> {

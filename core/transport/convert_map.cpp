@@ -1,7 +1,43 @@
 // Messages about the map: keyframe, map delta, map request.
+#include <span>
+
 #include "core/transport/convert_parts.h"
 
 namespace vpslam {
+namespace {
+
+template <class Id>
+int32_t AppendObservations(const std::vector<FeatureObservation<Id>>& from,
+                           std::vector<observation_t>* to) {
+  for (const FeatureObservation<Id>& o : from) {
+    observation_t wire;
+    wire.feature = o.feature;
+    wire.landmark = o.landmark.value;
+    to->push_back(wire);
+  }
+  return static_cast<int32_t>(from.size());
+}
+
+/// Takes the first `count` off `from`; false if there are not so many.
+template <class Id>
+bool TakeObservations(int32_t count, std::span<const observation_t>* from,
+                      std::vector<FeatureObservation<Id>>* to) {
+  if (count < 0 || static_cast<size_t>(count) > from->size()) return false;
+  to->reserve(count);
+  for (const observation_t& o : from->first(count)) to->push_back({o.feature, Id(o.landmark)});
+  *from = from->subspan(count);
+  return true;
+}
+
+template <class Id>
+tombstone_t ToWireTombstone(const Tombstone<Id>& from) {
+  tombstone_t wire;
+  wire.id = from.id.value;
+  wire.replacement = from.replacement.value;
+  return wire;
+}
+
+}  // namespace
 
 keyframe_t ToWire(const KeyframeProposal& keyframe) {
   keyframe_t wire{};
@@ -34,6 +70,7 @@ keyframe_t ToWire(const KeyframeProposal& keyframe) {
   wire.num_initial_points = static_cast<int32_t>(wire.initial_points.size());
   wire.line_set = CopyLineSet(keyframe.lines, &wire.lines, &wire.vanishing_points);
   wire.num_lines = static_cast<int32_t>(wire.lines.size());
+  for (const LineId id : keyframe.map_lines) wire.map_lines.push_back(id.value);
   wire.num_vanishing_points = static_cast<int32_t>(wire.vanishing_points.size());
   return wire;
 }
@@ -62,6 +99,8 @@ std::optional<KeyframeProposal> FromWire(const keyframe_t& wire, std::string* wh
                                        {from.position[0], from.position[1], from.position[2]}});
   }
   keyframe.lines = ReadLineSet(wire.line_set, wire.lines, wire.vanishing_points);
+  keyframe.map_lines.reserve(wire.map_lines.size());
+  for (const int32_t id : wire.map_lines) keyframe.map_lines.push_back(LineId(id));
   return Checked(std::move(keyframe), why);
 }
 
@@ -89,14 +128,9 @@ map_delta_t ToWire(const MapDelta& delta) {
     to.cam_from_world = ToWirePose(from.cam_from_world);
     to.parent = from.parent.value;
     to.cam_from_parent = ToWirePose(from.cam_from_parent);
-    to.observations = static_cast<int32_t>(from.observations.size());
+    to.observations = AppendObservations(from.points, &wire.observations);
+    to.line_observations = AppendObservations(from.lines, &wire.line_observations);
     wire.keyframes.push_back(to);
-    for (const FeaturePoint& o : from.observations) {
-      observation_t observation;
-      observation.feature = o.feature;
-      observation.point = o.point.value;
-      wire.observations.push_back(observation);
-    }
   }
   wire.num_keyframes = static_cast<int32_t>(wire.keyframes.size());
   wire.num_observations = static_cast<int32_t>(wire.observations.size());
@@ -120,12 +154,33 @@ map_delta_t ToWire(const MapDelta& delta) {
     wire.geometries.push_back(to);
   }
   wire.num_geometries = static_cast<int32_t>(wire.geometries.size());
-  for (const PointTombstone& from : delta.tombstones) {
-    tombstone_t to;
+  for (const auto& from : delta.tombstones) wire.tombstones.push_back(ToWireTombstone(from));
+  wire.num_line_observations = static_cast<int32_t>(wire.line_observations.size());
+  for (const LineState& from : delta.lines) {
+    map_line_t to;
     to.id = from.id.value;
-    to.replacement = from.replacement.value;
-    wire.tombstones.push_back(to);
+    to.map_id = from.map.value;
+    to.reference = from.reference.value;
+    for (int i = 0; i < 3; ++i) to.start[i] = from.start[i];
+    for (int i = 0; i < 3; ++i) to.end[i] = from.end[i];
+    to.descriptor = ToWireDescriptor(from.descriptor);
+    to.axis = from.axis;
+    wire.lines.push_back(to);
   }
+  wire.num_lines = static_cast<int32_t>(wire.lines.size());
+  for (const auto& from : delta.line_tombstones) {
+    wire.line_tombstones.push_back(ToWireTombstone(from));
+  }
+  wire.num_line_tombstones = static_cast<int32_t>(wire.line_tombstones.size());
+  for (const MapManhattan& from : delta.manhattan_frames) {
+    manhattan_frame_t to;
+    to.map_id = from.map.value;
+    to.exists = from.world_from_manhattan.has_value();
+    CopyQuaternion(from.world_from_manhattan.value_or(Eigen::Quaterniond::Identity()),
+                   to.world_from_manhattan);
+    wire.manhattan_frames.push_back(to);
+  }
+  wire.num_manhattan_frames = static_cast<int32_t>(wire.manhattan_frames.size());
   wire.num_tombstones = static_cast<int32_t>(wire.tombstones.size());
   return wire;
 }
@@ -143,7 +198,8 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why) {
   delta.times.local_ba_ms = wire.times.local_ba_ms;
   delta.times.total_ms = wire.times.total_ms;
   for (const int32_t id : wire.erased_maps) delta.erased_maps.push_back(MapId(id));
-  auto observation = wire.observations.begin();
+  std::span<const observation_t> observations = wire.observations;
+  std::span<const observation_t> line_observations = wire.line_observations;
   delta.keyframes.reserve(wire.keyframes.size());
   for (const keyframe_state_t& from : wire.keyframes) {
     KeyframeState to;
@@ -155,17 +211,14 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why) {
     to.cam_from_world = FromWirePose(from.cam_from_world);
     to.parent = KeyframeId(from.parent);
     to.cam_from_parent = FromWirePose(from.cam_from_parent);
-    if (from.observations < 0 || from.observations > wire.observations.end() - observation) {
+    if (!TakeObservations(from.observations, &observations, &to.points) ||
+        !TakeObservations(from.line_observations, &line_observations, &to.lines)) {
       *why = "more observations promised than sent";
       return std::nullopt;
     }
-    to.observations.reserve(from.observations);
-    for (int i = 0; i < from.observations; ++i, ++observation) {
-      to.observations.push_back({observation->feature, PointId(observation->point)});
-    }
     delta.keyframes.push_back(std::move(to));
   }
-  if (observation != wire.observations.end()) {
+  if (!observations.empty() || !line_observations.empty()) {
     *why = "observations of no keyframe";
     return std::nullopt;
   }
@@ -184,6 +237,25 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why) {
   delta.tombstones.reserve(wire.tombstones.size());
   for (const tombstone_t& from : wire.tombstones) {
     delta.tombstones.push_back({PointId(from.id), PointId(from.replacement)});
+  }
+  delta.lines.reserve(wire.lines.size());
+  for (const map_line_t& from : wire.lines) {
+    delta.lines.push_back({LineId(from.id),
+                           MapId(from.map_id),
+                           KeyframeId(from.reference),
+                           {from.start[0], from.start[1], from.start[2]},
+                           {from.end[0], from.end[1], from.end[2]},
+                           FromWireDescriptor(from.descriptor),
+                           from.axis});
+  }
+  delta.line_tombstones.reserve(wire.line_tombstones.size());
+  for (const tombstone_t& from : wire.line_tombstones) {
+    delta.line_tombstones.push_back({LineId(from.id), LineId(from.replacement)});
+  }
+  for (const manhattan_frame_t& from : wire.manhattan_frames) {
+    MapManhattan to{MapId(from.map_id), std::nullopt};
+    if (from.exists) to.world_from_manhattan = ReadQuaternion(from.world_from_manhattan);
+    delta.manhattan_frames.push_back(to);
   }
   return Checked(std::move(delta), why);
 }

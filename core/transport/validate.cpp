@@ -254,6 +254,11 @@ Fault Validate(const KeyframeProposal& k) {
                   "position out of range");
   }
   if (const Fault fault = Validate(k.lines)) check.Add("lines: " + *fault);
+  check.Require(k.map_lines.size() == k.lines.lines.size(),
+                "numbers of lines and of their map lines differ");
+  check.Require(std::all_of(k.map_lines.begin(), k.map_lines.end(),
+                            [](LineId id) { return IsIdOrNone(id.value); }),
+                "line id out of range");
   return check.fault();
 }
 
@@ -273,12 +278,12 @@ Fault Validate(const MapDelta& d) {
     check.Require(k.frame_seq >= 0, "keyframe", i, "negative frame number");
     check.Require(IsPose(k.cam_from_world) && IsPose(k.cam_from_parent), "keyframe", i,
                   "pose out of range");
-    check.Require(std::all_of(k.observations.begin(), k.observations.end(),
-                              [](const FeaturePoint& o) {
-                                return o.feature >= 0 &&
-                                       o.feature < static_cast<int32_t>(kMaxFeatures) &&
-                                       o.point.IsValid();
-                              }),
+    const auto is_sound = [](const auto& o) {
+      return o.feature >= 0 && o.feature < static_cast<int32_t>(kMaxFeatures) &&
+             o.landmark.IsValid();
+    };
+    check.Require(std::all_of(k.points.begin(), k.points.end(), is_sound) &&
+                      std::all_of(k.lines.begin(), k.lines.end(), is_sound),
                   "keyframe", i, "observation out of range");
   }
   for (std::size_t i = 0; i < d.appearances.size() && !check.fault(); ++i) {
@@ -294,10 +299,28 @@ Fault Validate(const MapDelta& d) {
     check.Require(g.max_distance >= 0 && g.max_distance <= kMaxLength, "geometry", i,
                   "distance out of range");
   }
-  for (std::size_t i = 0; i < d.tombstones.size() && !check.fault(); ++i) {
-    const PointTombstone& t = d.tombstones[i];
-    check.Require(t.id.IsValid() && IsIdOrNone(t.replacement.value) && t.replacement != t.id,
-                  "tombstone", i, "id out of range");
+  for (std::size_t i = 0; i < d.lines.size() && !check.fault(); ++i) {
+    const LineState& l = d.lines[i];
+    check.Require(l.id.IsValid() && l.map.IsValid() && IsIdOrNone(l.reference.value), "line", i,
+                  "id out of range");
+    check.Require(AllInRange(l.start, kMaxLength) && AllInRange(l.end, kMaxLength), "line", i,
+                  "end point out of range");
+    check.Require(l.axis >= -1 && l.axis < 3, "line", i, "axis out of range");
+  }
+  const auto check_tombstones = [&check](const auto& tombstones) {
+    for (std::size_t i = 0; i < tombstones.size() && !check.fault(); ++i) {
+      const auto& t = tombstones[i];
+      check.Require(t.id.IsValid() && IsIdOrNone(t.replacement.value) && t.replacement != t.id,
+                    "tombstone", i, "id out of range");
+    }
+  };
+  check_tombstones(d.tombstones);
+  check_tombstones(d.line_tombstones);
+  for (std::size_t i = 0; i < d.manhattan_frames.size() && !check.fault(); ++i) {
+    const MapManhattan& m = d.manhattan_frames[i];
+    check.Require(m.map.IsValid(), "Manhattan frame", i, "id out of range");
+    check.Require(!m.world_from_manhattan || IsUnit(*m.world_from_manhattan), "Manhattan frame", i,
+                  "rotation is no unit quaternion");
   }
   return check.fault();
 }

@@ -26,7 +26,17 @@ class RandomMap {
     for (PointId& point : keyframe.points) {
       if (map.point_end() > 0 && Below(2) == 0) point = PointId(Below(map.point_end()));
     }
+    keyframe.lines.resize(kSegments);
+    for (LineId& line : keyframe.lines) {
+      if (map.line_end() > 0 && Below(2) == 0) line = LineId(Below(map.line_end()));
+    }
     map.Insert(keyframe);
+    for (int i = 0; i < kSegments; ++i) {
+      if (map.Find(keyframe.id)->lines[i].IsValid()) continue;
+      const LineId line = map.CreateLine(MapId(0), keyframe.id, Vector(), Vector());
+      map.SetAxis(line, Below(4) - 1);
+      map.Observe(keyframe.id, i, line);
+    }
     for (int i = 0; i < kFeatures; ++i) {
       if (map.Find(keyframe.id)->points[i].IsValid()) continue;
       const PointId point = map.CreatePoint(MapId(0), keyframe.id, Vector());
@@ -38,11 +48,17 @@ class RandomMap {
       const PointId c(Below(map.point_end()));
       if (map.Find(c)) map.SetPosition(c, Vector());
     }
+    const LineId a(Below(map.line_end())), b(Below(map.line_end()));
+    if (map.Find(a) && map.Find(b)) map.Fuse(a, b);
+    const LineId c(Below(map.line_end()));
+    if (map.Find(c)) map.SetEnds(c, Vector(), Vector());
+    map.SetManhattan(MapId(0), Below(3) == 0 ? std::nullopt : std::optional(ExpSo3(Vector())));
     if (keyframe.id.value > 3 && Below(3) == 0) map.Cull(KeyframeId(1 + Below(next_ - 1)));
   }
 
  private:
   static constexpr int kFeatures = 30;
+  static constexpr int kSegments = 8;
   int Below(int n) { return static_cast<int>(rng_() % static_cast<uint32_t>(n)); }
   Eigen::Vector3d Vector() {
     std::uniform_real_distribution<double> uniform(-1, 1);

@@ -23,6 +23,23 @@ void ExpectSame(const Map& owner, const Map& replica) {
       ASSERT_EQ(a->observations[k].feature, b->observations[k].feature);
     }
   }
+  ASSERT_EQ(owner.NumLines(MapId(0)), replica.NumLines(MapId(0)));
+  for (int32_t i = 0; i < owner.line_end(); ++i) {
+    const MapLine* a = owner.Find(LineId(i));
+    const MapLine* b = replica.Find(LineId(i));
+    ASSERT_EQ(a == nullptr, b == nullptr);
+    ASSERT_EQ(owner.Resolve(LineId(i)), replica.Resolve(LineId(i)));
+    if (!a) continue;
+    ASSERT_NEAR((a->start - b->start).norm() + (a->end - b->end).norm(), 0, 1e-6);
+    ASSERT_EQ(a->axis, b->axis);
+    ASSERT_EQ(a->observations.size(), b->observations.size());
+  }
+  const auto frame = owner.WorldFromManhattan(MapId(0));
+  const auto replicated = replica.WorldFromManhattan(MapId(0));
+  ASSERT_EQ(frame.has_value(), replicated.has_value());
+  if (frame) {
+    ASSERT_EQ(frame->coeffs(), replicated->coeffs());
+  }
   for (int32_t i = 0; i < owner.keyframe_end(); ++i) {
     SE3 a, b;
     ASSERT_EQ(owner.CamFromWorld(KeyframeId(i), &a), replica.CamFromWorld(KeyframeId(i), &b));

@@ -95,15 +95,18 @@ inline bool Same(const KeyframeProposal& a, const KeyframeProposal& b) {
          a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us &&
          Same(a.cam_from_world, b.cam_from_world) && a.reference == b.reference &&
          Same(a.features, b.features) && a.points == b.points && Same(a.sightings, b.sightings) &&
-         Same(a.initial_points, b.initial_points) && Same(a.lines, b.lines);
+         Same(a.initial_points, b.initial_points) && Same(a.lines, b.lines) &&
+         a.map_lines == b.map_lines;
 }
-inline bool Same(const FeaturePoint& a, const FeaturePoint& b) {
-  return a.feature == b.feature && a.point == b.point;
+template <class Id>
+bool Same(const FeatureObservation<Id>& a, const FeatureObservation<Id>& b) {
+  return a.feature == b.feature && a.landmark == b.landmark;
 }
 inline bool Same(const KeyframeState& a, const KeyframeState& b) {
   return a.id == b.id && a.map == b.map && a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us &&
          a.culled == b.culled && Same(a.cam_from_world, b.cam_from_world) && a.parent == b.parent &&
-         Same(a.cam_from_parent, b.cam_from_parent) && Same(a.observations, b.observations);
+         Same(a.cam_from_parent, b.cam_from_parent) && Same(a.points, b.points) &&
+         Same(a.lines, b.lines);
 }
 inline bool Same(const PointGeometry& a, const PointGeometry& b) {
   return a.id == b.id && a.position == b.position && a.normal == b.normal &&
@@ -113,8 +116,19 @@ inline bool Same(const PointAppearance& a, const PointAppearance& b) {
   return a.id == b.id && a.map == b.map && a.reference == b.reference &&
          a.descriptor == b.descriptor;
 }
-inline bool Same(const PointTombstone& a, const PointTombstone& b) {
+template <class Id>
+bool Same(const Tombstone<Id>& a, const Tombstone<Id>& b) {
   return a.id == b.id && a.replacement == b.replacement;
+}
+inline bool Same(const LineState& a, const LineState& b) {
+  return a.id == b.id && a.map == b.map && a.reference == b.reference && a.start == b.start &&
+         a.end == b.end && a.descriptor == b.descriptor && a.axis == b.axis;
+}
+inline bool Same(const MapManhattan& a, const MapManhattan& b) {
+  const auto& qa = a.world_from_manhattan;
+  const auto& qb = b.world_from_manhattan;
+  return a.map == b.map && qa.has_value() == qb.has_value() &&
+         (!qa || qa->coeffs() == qb->coeffs());
 }
 inline bool Same(const MapDelta& a, const MapDelta& b) {
   return a.base_version == b.base_version && a.version == b.version && a.snapshot == b.snapshot &&
@@ -125,7 +139,9 @@ inline bool Same(const MapDelta& a, const MapDelta& b) {
          Same(a.times.local_ba_ms, b.times.local_ba_ms) &&
          Same(a.times.total_ms, b.times.total_ms) && a.erased_maps == b.erased_maps &&
          Same(a.keyframes, b.keyframes) && Same(a.appearances, b.appearances) &&
-         Same(a.geometries, b.geometries) && Same(a.tombstones, b.tombstones);
+         Same(a.geometries, b.geometries) && Same(a.tombstones, b.tombstones) &&
+         Same(a.lines, b.lines) && Same(a.line_tombstones, b.line_tombstones) &&
+         Same(a.manhattan_frames, b.manhattan_frames);
 }
 inline bool Same(const MapRequest& a, const MapRequest& b) {
   return a.process == b.process && a.map_version == b.map_version;

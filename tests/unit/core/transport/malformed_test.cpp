@@ -94,7 +94,7 @@ TEST_F(Malformed, LinesRequest) { ExpectRefusesDamage(random_, random_.SomeLines
 TEST_F(Malformed, Pose) { ExpectRefusesDamage(random_, random_.SomeFramePose(), 0); }
 TEST_F(Malformed, Truth) { ExpectRefusesDamage(random_, random_.SomeTruth(), 0); }
 TEST_F(Malformed, Keyframe) { ExpectRefusesDamage(random_, random_.Keyframe(20), 5); }
-TEST_F(Malformed, Delta) { ExpectRefusesDamage(random_, random_.Delta(10), 6); }
+TEST_F(Malformed, Delta) { ExpectRefusesDamage(random_, random_.Delta(10), 10); }
 TEST_F(Malformed, MapRequest) { ExpectRefusesDamage(random_, random_.SomeMapRequest(), 0); }
 TEST_F(Malformed, Ack) { ExpectRefusesDamage(random_, random_.SomeAck(), 0); }
 TEST_F(Malformed, Command) { ExpectRefusesDamage(random_, random_.SomeCommand(), 0); }
@@ -139,17 +139,23 @@ TEST_F(Malformed, ObservationsThatBelongToNoKeyframe) {
   delta.keyframes[0] = KeyframeState();
   delta.keyframes[0].id = KeyframeId(1);
   delta.keyframes[0].map = MapId(0);
-  delta.keyframes[0].observations = {{1, PointId(2)}, {3, PointId(4)}};
+  delta.keyframes[0].points = {{1, PointId(2)}, {3, PointId(4)}};
   delta.erased_maps.clear();
   delta.tombstones.clear();
+  delta.lines.clear();
+  delta.line_tombstones.clear();
+  delta.manhattan_frames.clear();
   const std::vector<uint8_t> good = Encode(random_.SomeHeader(), delta);
   ASSERT_TRUE(Accepts<MapDelta>(good));
-  // The keyframe's own number of observations stands right before the observations at the end.
-  const std::size_t offset = good.size() - 2 * 8 - 4;
-  for (const int32_t count : {-1, 0, 1, 3, INT32_MAX}) {
-    std::vector<uint8_t> bytes = good;
-    PutInt32(&bytes, offset, count);
-    EXPECT_FALSE(Accepts<MapDelta>(bytes)) << count;
+  // The keyframe's own numbers of observations, of points and of lines, stand right before the
+  // observations at the end.
+  const std::size_t end = good.size() - 2 * 8;
+  for (const auto& [offset, right] : {std::pair(end - 8, 2), std::pair(end - 4, 0)}) {
+    for (const int32_t count : {-1, 0, 1, 2, 3, INT32_MAX}) {
+      std::vector<uint8_t> bytes = good;
+      PutInt32(&bytes, offset, count);
+      EXPECT_EQ(Accepts<MapDelta>(bytes), count == right) << count;
+    }
   }
 }
 

@@ -158,6 +158,7 @@ class RandomMessages {
       k.initial_points.push_back({Int(0, 1999), i, {Real(-9, 9), Real(-9, 9), Real(-9, 9)}});
     }
     k.lines = Lines();
+    for (size_t i = 0; i < k.lines.lines.size(); ++i) k.map_lines.push_back(LineId(Int(-1, 9999)));
     return k;
   }
 
@@ -180,7 +181,10 @@ class RandomMessages {
       k.parent = KeyframeId(Int(-1, 99));
       k.cam_from_parent = Pose();
       for (int j = Int(0, 30); j > 0; --j) {
-        k.observations.push_back({Int(0, 999), PointId(Int(0, 9999))});
+        k.points.push_back({Int(0, 999), PointId(Int(0, 9999))});
+      }
+      for (int j = Int(0, 9); j > 0; --j) {
+        k.lines.push_back({Int(0, 99), LineId(Int(0, 9999))});
       }
       d.keyframes.push_back(k);
     }
@@ -197,6 +201,16 @@ class RandomMessages {
     for (int i = Int(0, 9); i > 0; --i) {
       d.tombstones.push_back({PointId(Int(0, 9999)), PointId(Int(10000, 20000))});
     }
+    for (int i = Int(0, 9); i > 0; --i) {
+      const auto end = [&]() -> Eigen::Vector3f {
+        return Eigen::Vector3d(Real(-9, 9), Real(-9, 9), Real(-9, 9)).cast<float>();
+      };
+      d.lines.push_back({LineId(Int(0, 9999)), MapId(Int(0, 9)), KeyframeId(Int(-1, 99)), end(),
+                         end(), Bits(), Int(-1, 2)});
+      d.line_tombstones.push_back({LineId(Int(0, 9999)), LineId(Int(10000, 20000))});
+    }
+    d.manhattan_frames.push_back({MapId(3), std::nullopt});
+    d.manhattan_frames.push_back({MapId(4), Pose().rotation});
     return d;
   }
 
