@@ -33,6 +33,18 @@ void PointProbation::Cull(int keyframe_count, Map* map) {
   }
 }
 
+void LineProbation::Cull(int keyframe_count, Map* map) {
+  for (auto at = created_at_.begin(); at != created_at_.end();) {
+    const auto& [id, created_at] = *at;
+    const MapLine* line = map->Find(id);
+    const bool due = keyframe_count - created_at >= options_.probation_keyframes - 1;
+    if (line && due && static_cast<int>(line->observations.size()) < options_.min_observations) {
+      map->Erase(id);
+    }
+    at = !line || due ? created_at_.erase(at) : std::next(at);
+  }
+}
+
 namespace {
 
 int OctaveOf(const Observation& o, const KeyframeStore& store) {

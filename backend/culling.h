@@ -31,6 +31,19 @@ class PointProbation {
   std::map<PointId, Record> records_;
 };
 
+/// New lines on probation, by how many keyframes show them.
+class LineProbation {
+ public:
+  explicit LineProbation(const LineMappingOptions& options) : options_(options) {}
+
+  void Add(LineId line, int keyframe_count) { created_at_[line] = keyframe_count; }
+  void Cull(int keyframe_count, Map* map);
+
+ private:
+  LineMappingOptions options_;
+  std::map<LineId, int> created_at_;  ///< keyframes so far
+};
+
 /// Culls keyframes covisible with `keyframe` whose points are nearly all seen by enough others at
 /// the same or a finer scale (one octave is no difference). [Mur15] sec. VI-E. Returns how many.
 int CullKeyframes(KeyframeId keyframe, const KeyframeStore& store, const CullingOptions& options,

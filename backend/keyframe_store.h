@@ -1,4 +1,4 @@
-// What the backend keeps of each keyframe beside the map itself: its features.
+// What the backend keeps of each keyframe beside the map itself: its features and lines.
 #pragma once
 
 #include <map>
@@ -6,12 +6,14 @@
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
 #include "core/map/ids.h"
+#include "core/messages/line_set.h"
 
 namespace vpslam {
 
 struct KeyframeFeatures {
   Features features;
   FeatureGrid grid;
+  LineSet lines;
 };
 
 using KeyframeStore = std::map<KeyframeId, KeyframeFeatures>;

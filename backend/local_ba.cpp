@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <memory>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -10,7 +12,11 @@
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
+#include "backend/ba_window.h"
+#include "backend/line_view.h"
 #include "backend/point_view.h"
+#include "core/estimation/line_cost.h"
+#include "core/estimation/line_residual.h"
 #include "core/estimation/point_cost.h"
 #include "core/estimation/point_residual.h"
 #include "core/estimation/robust.h"
@@ -20,51 +26,13 @@
 namespace vpslam {
 namespace {
 
-struct Window {
-  std::set<KeyframeId> moved;
-  std::set<KeyframeId> fixed;
-  std::set<PointId> points;
-};
-
-Window ChooseWindow(KeyframeId id, const LocalBaOptions& options, const Map& map) {
-  Window window;
-  window.moved.insert(id);
-  for (const auto& [other, shared] : map.Covisible(id, options.min_shared_points)) {
-    if (static_cast<int>(window.moved.size()) >= options.max_keyframes) break;
-    window.moved.insert(other);
-  }
-  std::map<KeyframeId, int> others;
-  for (const KeyframeId keyframe : window.moved) {
-    for (const PointId point_id : map.Find(keyframe)->points) {
-      const MapPoint* point = map.Find(point_id);
-      if (!point || !window.points.insert(point_id).second) continue;
-      for (const Observation& o : point->observations) {
-        if (!window.moved.contains(o.keyframe)) ++others[o.keyframe];
-      }
-    }
-  }
-  std::vector<std::pair<int, KeyframeId>> ranked;
-  for (const auto& [other, count] : others) ranked.emplace_back(-count, other);
-  std::sort(ranked.begin(), ranked.end());
-  for (const auto& [count, other] : ranked) {
-    if (static_cast<int>(window.fixed.size()) >= options.max_fixed_keyframes) break;
-    window.fixed.insert(other);
-  }
-  // Without others to measure from, the map's first keyframe holds the gauge (the scale is held by
-  // the damping alone: it is free, and nothing pulls at it).
-  if (window.fixed.empty()) {
-    const KeyframeId first = *window.moved.begin();
-    window.moved.erase(first);
-    window.fixed.insert(first);
-  }
-  return window;
-}
-
 class Adjustment {
  public:
-  Adjustment(const Window& window, const Camera& camera, const ScalePyramid& scales,
-             const KeyframeStore& store, const ManhattanFrame& manhattan, const Map& map)
+  Adjustment(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
+             const KeyframeStore& store, const ManhattanFrame& manhattan,
+             const LocalBaOptions& options, const Map& map)
       : window_(window),
+        options_(options),
         camera_(camera),
         scales_(scales),
         problem_(ProblemOptions()),
@@ -78,6 +46,8 @@ class Adjustment {
     }
     positions_.reserve(window.points.size());
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
+    lines_.reserve(window.lines.size());
+    for (const LineId id : window.lines) AddLine(*map.Find(id), store, map);
     for (const KeyframeId id : window.moved) AddRotation(id, manhattan);
   }
 
@@ -98,7 +68,7 @@ class Adjustment {
     options.function_tolerance = function_tolerance;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    if (!costs_.empty()) ceres::Solve(options, &problem_, &summary);
+    if (problem_.NumResidualBlocks() > 0) ceres::Solve(options, &problem_, &summary);
     BaSummary result;
     result.keyframes = static_cast<int>(window_.moved.size());
     result.fixed_keyframes = static_cast<int>(window_.fixed.size());
@@ -115,6 +85,11 @@ class Adjustment {
       map->SetPose(id, FromParameters(poses_.at(id)));
     }
     for (const auto& [id, position] : positions_) map->SetPosition(id, position);
+    for (const auto& [id, line] : lines_) {
+      const Eigen::Map<const Eigen::Vector3d> point(line.data()), direction(line.data() + 3);
+      const double half_length = 0.5 * (map->Find(id)->end - map->Find(id)->start).norm();
+      map->SetEnds(id, point - half_length * direction, point + half_length * direction);
+    }
   }
 
  private:
@@ -145,6 +120,34 @@ class Adjustment {
     }
   }
 
+  /// Two views and no direction leave a line free to be anything: it stays out.
+  void AddLine(const MapLine& line, const KeyframeStore& store, const Map& map) {
+    if (line.observations.size() < 3 && line.axis < 0) return;
+    double* parameters =
+        lines_.emplace_back(line.id, ToLineParameters(line.start, line.end)).second.data();
+    bool used = false;
+    for (const Observation& o : line.observations) {
+      const auto pose = poses_.find(o.keyframe);
+      if (pose == poses_.end()) continue;
+      const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
+      line_costs_.emplace_back(camera_, segment.start_px.cast<double>(),
+                               segment.end_px.cast<double>(), 1 / LineSigma_px(segment.sigma_px));
+      problem_.AddResidualBlock(&line_costs_.back(), &loss_, pose->second, parameters);
+      used = true;
+    }
+    if (!used) {
+      lines_.pop_back();
+      return;
+    }
+    if (line.axis >= 0 && map.WorldFromManhattan(line.map)) {
+      direction_costs_.emplace_back(AxisDirection(line.axis, line.map, map),
+                                    options_.direction_sigma_deg * std::numbers::pi / 180);
+      problem_.AddResidualBlock(&direction_costs_.back(), &loss_, parameters);
+    }
+    problem_.SetManifold(parameters, &line_manifold_);
+    ordering_->AddElementToGroup(parameters, 0);
+  }
+
   void AddRotation(KeyframeId id, const ManhattanFrame& manhattan) {
     const ManhattanMeasurement* measured = manhattan.Find(id);
     double* pose = poses_.at(id);
@@ -155,7 +158,8 @@ class Adjustment {
     problem_.AddResidualBlock(&rotation_costs_.back(), &rotation_loss_, pose);
   }
 
-  const Window& window_;
+  const BaWindow& window_;
+  const LocalBaOptions& options_;
   const Camera& camera_;
   const ScalePyramid& scales_;
   Se3Manifold manifold_;
@@ -163,16 +167,20 @@ class Adjustment {
   ceres::HuberLoss rotation_loss_{std::sqrt(kChi2Dof3)};
   std::deque<PointCost> costs_;
   std::deque<RotationCost> rotation_costs_;
+  std::deque<LineCost> line_costs_;
+  std::deque<LineDirectionCost> direction_costs_;
+  ceres::LineManifold<3> line_manifold_;
   // Ceres orders the blocks of a group by their addresses, and rounding depends on that order. So
   // the blocks lie one after the other by id, wherever the heap happens to have room.
   std::vector<PoseParameters> pose_storage_;
   std::map<KeyframeId, double*> poses_;
   std::vector<std::pair<PointId, Eigen::Vector3d>> positions_;
+  std::vector<std::pair<LineId, LineParameters>> lines_;
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
 };
 
-int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyramid& scales,
+int RemoveOutliers(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
                    const KeyframeStore& store, Map* map) {
   std::vector<std::pair<KeyframeId, PointId>> outliers;
   for (const PointId id : window.points) {
@@ -193,17 +201,38 @@ int RemoveOutliers(const Window& window, const Camera& camera, const ScalePyrami
   return static_cast<int>(outliers.size());
 }
 
+int RemoveLineOutliers(const BaWindow& window, const Camera& camera, const KeyframeStore& store,
+                       Map* map) {
+  std::vector<std::pair<KeyframeId, LineId>> outliers;
+  for (const LineId id : window.lines) {
+    const MapLine& line = *map->Find(id);
+    for (const Observation& o : line.observations) {
+      if (!window.moved.contains(o.keyframe) && !window.fixed.contains(o.keyframe)) continue;
+      const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
+      if (!Fits(line, map->Find(o.keyframe)->cam_from_world, segment, camera)) {
+        outliers.emplace_back(o.keyframe, id);
+      }
+    }
+  }
+  for (const auto& [keyframe, line] : outliers) {
+    if (map->Find(line)) map->Unobserve(keyframe, line);
+  }
+  return static_cast<int>(outliers.size());
+}
+
 }  // namespace
 
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const ManhattanFrame& manhattan,
                         const LocalBaOptions& options, int max_iterations, Map* map) {
-  const Window window = ChooseWindow(keyframe, options, *map);
-  Adjustment adjustment(window, camera, scales, store, manhattan, *map);
+  const BaWindow window = ChooseBaWindow(keyframe, options, *map);
+  Adjustment adjustment(window, camera, scales, store, manhattan, options, *map);
   BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
   adjustment.WriteBack(map);
   summary.outliers = RemoveOutliers(window, camera, scales, store, map);
+  summary.outliers += RemoveLineOutliers(window, camera, store, map);
   for (const PointId point : window.points) UpdateView(point, store, scales, map);
+  for (const LineId line : window.lines) UpdateEnds(line, camera, store, map);
   return summary;
 }
 

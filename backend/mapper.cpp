@@ -4,6 +4,9 @@
 
 #include "backend/culling.h"
 #include "backend/keyframe_store.h"
+#include "backend/line_creator.h"
+#include "backend/line_fuser.h"
+#include "backend/line_view.h"
 #include "backend/local_ba.h"
 #include "backend/manhattan_frame.h"
 #include "backend/map_starter.h"
@@ -23,7 +26,8 @@ class Mapper::Impl {
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
         manhattan_(options.manhattan),
-        probation_(options.culling) {}
+        probation_(options.culling),
+        line_probation_(options.lines) {}
 
   std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
     Stopwatch total;
@@ -52,6 +56,7 @@ class Mapper::Impl {
     KeyframeFeatures& stored = store_[proposal.id];
     stored.features = proposal.features;
     stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
+    if (options_.lines.enabled) stored.lines = proposal.lines;
     ++keyframe_count_;
     if (options_.manhattan.enabled) manhattan_.Add(proposal.id, proposal.lines);
   }
@@ -84,6 +89,7 @@ class Mapper::Impl {
       probation_.Count({map_.Resolve(sighting.point), sighting.visible, sighting.found});
     }
     probation_.Cull(keyframe_count_, &map_);
+    line_probation_.Cull(keyframe_count_, &map_);
     times->feature_culling_ms = stopwatch.Lap_ms();
 
     for (const PointId id :
@@ -91,12 +97,18 @@ class Mapper::Impl {
       probation_.Add(id, keyframe_count_);
     }
     FusePoints(proposal.id, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+    for (const LineId id :
+         CreateLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_)) {
+      line_probation_.Add(id, keyframe_count_);
+    }
+    FuseLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_);
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
     AdjustLocally(proposal.id, camera_, scales_, store_, manhattan_, options_.ba,
                   options_.ba.max_iterations, &map_);
     manhattan_.Update(map_);
+    map_.SetManhattan(proposal.map, manhattan_.world_from_manhattan());
     times->local_ba_ms = stopwatch.Lap_ms();
 
     CullKeyframes(proposal.id, store_, options_.culling, &map_);
@@ -113,11 +125,17 @@ class Mapper::Impl {
     keyframe.parent = map_.LivingAncestor(proposal.reference);
     for (const PointId id : proposal.points) keyframe.points.push_back(map_.Resolve(id));
     keyframe.points.resize(proposal.features.size());
+    if (options_.lines.enabled) {
+      for (const LineId id : proposal.map_lines) keyframe.lines.push_back(map_.Resolve(id));
+    }
     map_.Insert(keyframe);
     for (const PointId id : map_.Find(keyframe.id)->points) {
       if (!id.IsValid()) continue;
       UpdateView(id, store_, scales_, &map_);
       UpdateDescriptor(id, store_, &map_);
+    }
+    for (const LineId id : map_.Find(keyframe.id)->lines) {
+      if (id.IsValid()) UpdateDescriptor(id, store_, &map_);
     }
   }
 
@@ -139,6 +157,7 @@ class Mapper::Impl {
   KeyframeStore store_;
   ManhattanFrame manhattan_;  ///< of the map at work
   PointProbation probation_;
+  LineProbation line_probation_;
   int keyframe_count_ = 0;
   std::optional<KeyframeProposal> first_;
 };

@@ -16,6 +16,7 @@ struct LocalBaOptions {
   int max_iterations = 10;
   int max_iterations_to_start = 30;  ///< for the two views of a new map
   double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
+  double direction_sigma_deg = 1.0;  ///< of a line about the Manhattan axis that it belongs to
 
   template <class V>
   void Visit(V& v) {
@@ -25,6 +26,7 @@ struct LocalBaOptions {
     v("max_iterations", max_iterations);
     v("max_iterations_to_start", max_iterations_to_start);
     v("function_tolerance", function_tolerance);
+    v("direction_sigma_deg", direction_sigma_deg);
   }
 };
 
@@ -65,6 +67,35 @@ struct PointFuserOptions {
     v("second_neighbours", second_neighbours);
     v("radius_px", radius_px);
     v("max_distance", max_distance);
+  }
+};
+
+/// New lines, and duplicates.
+struct LineMappingOptions {
+  bool enabled = true;    ///< needs detectors
+  int neighbours = 10;    ///< keyframes to match with
+  int max_distance = 60;  ///< Hamming
+  double ratio = 0.8;     ///< of descriptor distances, best to best elsewhere
+  /// Between a ray of one view and the plane of the other: less says nothing about depth.
+  double min_ray_plane_angle_deg = 1.5;
+  double max_depth_ratio = 2.0;  ///< of the depth that 90 % of the points stay below
+  double min_overlap = 0.5;      ///< of the shorter of two segments
+  double max_offset_px = 4.0;    ///< between a segment and where a line is predicted
+  int probation_keyframes = 3;   ///< as for points
+  int min_observations = 3;
+
+  template <class V>
+  void Visit(V& v) {
+    v("enabled", enabled);
+    v("neighbours", neighbours);
+    v("max_distance", max_distance);
+    v("ratio", ratio);
+    v("min_ray_plane_angle_deg", min_ray_plane_angle_deg);
+    v("max_depth_ratio", max_depth_ratio);
+    v("min_overlap", min_overlap);
+    v("max_offset_px", max_offset_px);
+    v("probation_keyframes", probation_keyframes);
+    v("min_observations", min_observations);
   }
 };
 
@@ -119,6 +150,7 @@ struct MapperOptions {
   LocalBaOptions ba;
   PointCreatorOptions creator;
   PointFuserOptions fuser;
+  LineMappingOptions lines;
   CullingOptions culling;
   ManhattanOptions manhattan;
 
@@ -128,6 +160,7 @@ struct MapperOptions {
     v("ba", ba);
     v("creator", creator);
     v("fuser", fuser);
+    v("lines", lines);
     v("culling", culling);
     v("manhattan", manhattan);
   }

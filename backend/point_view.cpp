@@ -1,7 +1,6 @@
 #include "backend/point_view.h"
 
-#include <algorithm>
-#include <vector>
+#include "backend/central_descriptor.h"
 
 namespace vpslam {
 
@@ -21,31 +20,11 @@ void UpdateView(PointId id, const KeyframeStore& store, const ScalePyramid& scal
 }
 
 void UpdateDescriptor(PointId id, const KeyframeStore& store, Map* map) {
-  // More observations hardly change the choice, but cost their square.
-  constexpr size_t kMaxCompared = 12;
   const MapPoint* point = map->Find(id);
   if (!point || point->observations.empty()) return;
-  std::vector<const Descriptor*> descriptors;
-  const size_t n = point->observations.size();
-  const size_t step = std::max<size_t>(1, n / kMaxCompared);
-  for (size_t i = 0; i < n; i += step) {
-    const Observation& o = point->observations[i];
-    descriptors.push_back(&store.at(o.keyframe).features.descriptors[o.feature]);
-  }
-  int best_median = 257;
-  const Descriptor* best = descriptors.front();
-  std::vector<int> distances(descriptors.size());
-  for (const Descriptor* candidate : descriptors) {
-    std::transform(descriptors.begin(), descriptors.end(), distances.begin(),
-                   [candidate](const Descriptor* other) { return Distance(*candidate, *other); });
-    const auto middle = distances.begin() + static_cast<int>(distances.size() - 1) / 2;
-    std::nth_element(distances.begin(), middle, distances.end());
-    if (*middle < best_median) {
-      best_median = *middle;
-      best = candidate;
-    }
-  }
-  map->SetDescriptor(id, *best);
+  map->SetDescriptor(id, CentralDescriptor(point->observations, [&](const Observation& o) {
+                       return store.at(o.keyframe).features.descriptors[o.feature];
+                     }));
 }
 
 }  // namespace vpslam

@@ -27,9 +27,18 @@ struct Frame {
   Matrix6d covariance = Matrix6d::Zero();
   KeyframeId reference;  ///< what the pose hangs on when the map is corrected
   SE3 cam_from_reference;
-  int inliers = 0;
+  int inliers = 0;  ///< points
+  int line_inliers = 0;
   int matches = 0;
   TrackingTimes times;
+
+  /// What the pose rests on.
+  int Support() const { return inliers + line_inliers; }
+  void ForgetMatches() {
+    points.assign(features.keypoints.size(), PointId());
+    map_lines.assign(lines ? lines->lines.size() : 0, LineId());
+    inliers = line_inliers = 0;
+  }
 };
 
 }  // namespace vpslam

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/estimation/line_residual.h"
 #include "core/estimation/point_residual.h"
 #include "core/features/matcher.h"
 
@@ -31,7 +32,7 @@ int DropRotationOutliers(const std::vector<float>& last_angles_rad,
 
 int MatchLastFrame(const TrackingContext& context, const Frame& last, double window_px,
                    const MotionTrackingOptions& options, Frame* frame) {
-  frame->points.assign(frame->features.size(), PointId());
+  frame->ForgetMatches();
   std::vector<uint8_t> taken(frame->features.size(), 0);
   // Two features of the last frame may show one point by now: theirs were fused since.
   std::vector<uint8_t> found(context.map.point_end(), 0);
@@ -66,7 +67,7 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, double win
 }
 
 int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe_id, Frame* frame) {
-  frame->points.assign(frame->features.size(), PointId());
+  frame->ForgetMatches();
   const Keyframe* keyframe = context.map.Find(keyframe_id);
   if (!keyframe) return 0;
   std::vector<PointId> ids;
@@ -84,8 +85,8 @@ int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe_id, Frame*
 
 int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options,
                   Frame* frame) {
-  std::vector<PointMeasurement> measurements;
-  std::vector<int> features;
+  PoseMeasurements measurements;
+  std::vector<int> features, segments;
   for (int i = 0; i < frame->features.size(); ++i) {
     const MapPoint* point = context.map.Find(frame->points[i]);
     if (!point) {
@@ -93,18 +94,34 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
       continue;
     }
     const Keypoint& keypoint = frame->features.keypoints[i];
-    measurements.push_back(
+    measurements.points.push_back(
         {point->position, keypoint.Position(), 1.0 / context.scales.sigma2(keypoint.octave)});
     features.push_back(i);
+  }
+  for (size_t i = 0; i < frame->map_lines.size(); ++i) {
+    const MapLine* line = context.map.Find(frame->map_lines[i]);
+    if (!line) {
+      frame->map_lines[i] = LineId();
+      continue;
+    }
+    const LineSegment& segment = frame->lines->lines[i];
+    const double sigma_px = LineSigma_px(segment.sigma_px);
+    measurements.lines.push_back({line->start, line->end, segment.start_px.cast<double>(),
+                                  segment.end_px.cast<double>(), 1 / (sigma_px * sigma_px)});
+    segments.push_back(static_cast<int>(i));
   }
   const PoseEstimate estimate =
       OptimizePose(context.camera, measurements, frame->cam_from_world, options);
   frame->cam_from_world = estimate.cam_from_world;
   frame->covariance = estimate.covariance;
-  frame->matches = static_cast<int>(measurements.size());
+  frame->matches = static_cast<int>(measurements.points.size());
   frame->inliers = estimate.num_inliers;
   for (size_t i = 0; i < features.size(); ++i) {
     if (!estimate.inliers[i]) frame->points[features[i]] = PointId();
+  }
+  frame->line_inliers = estimate.num_line_inliers;
+  for (size_t i = 0; i < segments.size(); ++i) {
+    if (!estimate.line_inliers[i]) frame->map_lines[segments[i]] = LineId();
   }
   return frame->inliers;
 }

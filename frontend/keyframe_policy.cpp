@@ -3,15 +3,19 @@
 namespace vpslam {
 namespace {
 
-/// Points of the keyframe that the map is sure of.
-int TrackedPoints(const Map& map, KeyframeId id, size_t min_observations) {
+/// Points and lines of the keyframe that the map is sure of.
+int TrackedLandmarks(const Map& map, KeyframeId id, size_t min_observations) {
   const Keyframe* keyframe = map.Find(id);
   int count = 0;
   if (!keyframe) return count;
-  for (const PointId point_id : keyframe->points) {
-    const MapPoint* point = map.Find(point_id);
-    count += point && point->observations.size() >= min_observations;
-  }
+  const auto add = [&](const auto& ids) {
+    for (const auto landmark_id : ids) {
+      const auto* landmark = map.Find(landmark_id);
+      count += landmark && landmark->observations.size() >= min_observations;
+    }
+  };
+  add(keyframe->points);
+  add(keyframe->lines);
   return count;
 }
 
@@ -19,12 +23,12 @@ int TrackedPoints(const Map& map, KeyframeId id, size_t min_observations) {
 
 bool IsKeyframe(const Frame& frame, KeyframeId reference, int frames_since, const Map& map,
                 const KeyframePolicyOptions& options) {
-  if (frames_since < options.min_frames || frame.inliers < options.min_inliers) return false;
+  if (frames_since < options.min_frames || frame.Support() < options.min_inliers) return false;
   const MapId map_id = map.Find(reference) ? map.Find(reference)->map : MapId();
   // A young map has no point with three observations yet.
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
-  return frame.inliers <
-         options.max_tracked_ratio * TrackedPoints(map, reference, min_observations);
+  return frame.Support() <
+         options.max_tracked_ratio * TrackedLandmarks(map, reference, min_observations);
 }
 
 }  // namespace vpslam

@@ -1,6 +1,7 @@
 #include "frontend/local_map.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/features/matcher.h"
 #include "core/map/visibility.h"
@@ -20,6 +21,11 @@ LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptio
     const MapPoint* point = map.Find(id);
     if (!point) continue;
     for (const Observation& o : point->observations) ++votes[o.keyframe.value];
+  }
+  for (const LineId id : frame.map_lines) {
+    const MapLine* line = map.Find(id);
+    if (!line) continue;
+    for (const Observation& o : line->observations) ++votes[o.keyframe.value];
   }
   std::vector<uint8_t> chosen(votes.size(), 0);
   std::vector<KeyframeId> voted;
@@ -57,6 +63,13 @@ LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptio
     }
   }
   std::sort(local.points.begin(), local.points.end());
+  std::set<LineId> lines;
+  for (const KeyframeId id : local.keyframes) {
+    const std::vector<LineId>& observed = map.Find(id)->lines;
+    lines.insert(observed.begin(), observed.end());
+  }
+  lines.erase(LineId());
+  local.lines.assign(lines.begin(), lines.end());
   return local;
 }
 

@@ -12,12 +12,13 @@
 namespace vpslam {
 
 struct LocalMap {
-  KeyframeId reference;  ///< the keyframe that shares most points with the frame
+  KeyframeId reference;  ///< the keyframe that shares most points and lines with the frame
   std::vector<KeyframeId> keyframes;
   std::vector<PointId> points;  ///< ascending
+  std::vector<LineId> lines;    ///< ascending
 };
 
-/// Around the points that the frame is matched with.
+/// Around the points and lines that the frame is matched with.
 LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptions& options);
 
 /// Projects the local points with the frame's pose and matches those that it does not have yet.

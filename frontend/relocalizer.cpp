@@ -62,7 +62,7 @@ bool Relocalize(const TrackingContext& context, MapId map, const RelocalizerOpti
     MatchKeyframe(context, id, frame);
     if (SolvePose(context, rng, frame) && Refine(context, tracking, frame)) return true;
   }
-  frame->points.assign(frame->features.size(), PointId());
+  frame->ForgetMatches();
   return false;
 }
 

@@ -14,6 +14,7 @@
 #include "frontend/initializer.h"
 #include "frontend/keyframe_policy.h"
 #include "frontend/late_tracker.h"
+#include "frontend/line_tracking.h"
 #include "frontend/local_map.h"
 #include "frontend/relocalizer.h"
 
@@ -168,7 +169,7 @@ class Tracker::Impl {
     const size_t n = history_.size();
     if (n > 1) initializer_.Add(history_[n - std::min(n, 1 + kFramesBack)], rng_);
     Frame again = frame;
-    again.points.assign(again.features.size(), PointId());
+    again.ForgetMatches();
     again.covariance.setZero();
     TryToStart(again, output);
   }
@@ -226,6 +227,7 @@ class Tracker::Impl {
     if (keyframe && keyframe->frame_seq == last_->seq) {
       last_->points = keyframe->points;
       last_->points.resize(last_->features.size());
+      last_->map_lines = keyframe->lines;
     }
   }
 
@@ -234,11 +236,12 @@ class Tracker::Impl {
     const SE3 predicted = velocity_ ? *velocity_ * last_->cam_from_world : last_->cam_from_world;
     for (const double factor : {1.0, 2.0}) {
       frame->cam_from_world = predicted;
-      if (MatchLastFrame(context_, *last_, factor * motion.window_px, motion, frame) <
-          motion.min_matches) {
-        continue;
-      }
-      if (OptimizeFrame(context_, options_.pose, frame) >= motion.min_inliers) return true;
+      int matches = MatchLastFrame(context_, *last_, factor * motion.window_px, motion, frame);
+      matches += MatchLines(context_, LivingLines(map_, last_->map_lines), options_.lines,
+                            motion.window_px / options_.lines.window_px * factor, frame);
+      if (matches < motion.min_matches) continue;
+      OptimizeFrame(context_, options_.pose, frame);
+      if (frame->Support() >= motion.min_inliers) return true;
     }
     return false;
   }
@@ -247,16 +250,17 @@ class Tracker::Impl {
     frame->cam_from_world = last_->cam_from_world;
     const KeyframeId keyframe = map_.LivingAncestor(last_->reference);
     if (MatchKeyframe(context_, keyframe, frame) < options_.motion.min_matches) return false;
-    return OptimizeFrame(context_, options_.pose, frame) >= options_.motion.min_inliers;
+    OptimizeFrame(context_, options_.pose, frame);
+    return frame->Support() >= options_.motion.min_inliers;
   }
 
   bool TrackLocalMap(Frame* frame, LocalMap* local) {
     *local = CollectLocalMap(map_, *frame, options_.local_map);
     std::vector<PointId> visible;
     MatchLocalMap(context_, *local, options_.local_map, 1.0, frame, &visible);
-    if (OptimizeFrame(context_, options_.pose, frame) < options_.local_map.min_inliers) {
-      return false;
-    }
+    MatchLines(context_, local->lines, options_.lines, 1.0, frame);
+    OptimizeFrame(context_, options_.pose, frame);
+    if (frame->Support() < options_.local_map.min_inliers) return false;
     for (const PointId id : visible) ++sightings_[id].visible;
     for (const PointId id : frame->points) {
       if (id.IsValid()) ++sightings_[id].found;

@@ -13,7 +13,7 @@ namespace vpslam {
 /// The first map, from two views.
 struct InitializerOptions {
   int min_features = 100;  ///< an image with fewer cannot be one of the two views
-  int min_matches = 100;   ///< with fewer, the reference view is given up for the present one
+  int min_matches = 50;    ///< with fewer, the reference view is given up for the present one
   int max_frames = 60;     ///< ... and also after as many frames without success
   TwoViewOptions two_view;
 
@@ -66,6 +66,22 @@ struct LocalMapOptions {
   }
 };
 
+/// Search for map lines.
+struct LineTrackingOptions {
+  bool enabled = true;       ///< needs detectors
+  double window_px = 6;      ///< between a segment and where its line is predicted
+  int max_distance = 70;     ///< Hamming
+  double min_overlap = 0.3;  ///< of the shorter of segment and prediction
+
+  template <class V>
+  void Visit(V& v) {
+    v("enabled", enabled);
+    v("window_px", window_px);
+    v("max_distance", max_distance);
+    v("min_overlap", min_overlap);
+  }
+};
+
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
@@ -86,6 +102,7 @@ struct TrackerOptions {
   InitializerOptions initializer;
   MotionTrackingOptions motion;
   LocalMapOptions local_map;
+  LineTrackingOptions lines;
   KeyframePolicyOptions keyframes;
   PoseOptimizerOptions pose;
   /// A map that is lost before it has as many keyframes was started wrongly, and is given up.
@@ -101,6 +118,7 @@ struct TrackerOptions {
     v("initializer", initializer);
     v("motion", motion);
     v("local_map", local_map);
+    v("lines", lines);
     v("keyframes", keyframes);
     v("pose", pose);
     v("probation_keyframes", probation_keyframes);

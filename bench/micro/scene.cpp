@@ -115,15 +115,15 @@ MapScene MakeMapScene(int num_keyframes) {
   return scene;
 }
 
-std::vector<PointMeasurement> MakeMeasurements(const Camera& camera, int count) {
+PoseMeasurements MakeMeasurements(const Camera& camera, int count) {
   Random random;
-  std::vector<PointMeasurement> measurements;
+  PoseMeasurements measurements;
   for (int i = 0; i < count; ++i) {
     PointMeasurement m;
     const Eigen::Vector2d px(random.Uniform(0, camera.width), random.Uniform(0, camera.height));
     m.point_in_world = random.Uniform(kNear_m, kFar_m) * camera.Unproject(px);
     m.px = px + random.Gauss2(kNoise_px);
-    measurements.push_back(m);
+    measurements.points.push_back(m);
   }
   return measurements;
 }

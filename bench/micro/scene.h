@@ -33,7 +33,7 @@ struct MapScene {
 MapScene MakeMapScene(int num_keyframes);
 
 /// `count` exact points and their projections with 1 px of noise into a camera at the origin.
-std::vector<PointMeasurement> MakeMeasurements(const Camera& camera, int count);
+PoseMeasurements MakeMeasurements(const Camera& camera, int count);
 
 Camera SceneCamera();
 

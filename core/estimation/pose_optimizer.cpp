@@ -1,91 +1,148 @@
 #include "core/estimation/pose_optimizer.h"
 
+#include <limits>
+
 #include <Eigen/Cholesky>
 
+#include "core/estimation/line_residual.h"
 #include "core/estimation/point_residual.h"
 #include "core/estimation/robust.h"
 
 namespace vpslam {
 namespace {
 
-struct NormalEquations {
-  Matrix6d h = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  double cost = 0;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class Solver {
+ public:
+  Solver(const Camera& camera, const PoseMeasurements& measurements, PoseEstimate* estimate)
+      : camera_(camera), m_(measurements), estimate_(*estimate) {}
+
+  void Iterate(bool robust, int max_iterations) {
+    for (int i = 0; i < max_iterations; ++i) {
+      Linearise(robust);
+      // A trace of damping keeps directions that nothing observes where they are.
+      h_.diagonal().array() += 1e-9 * h_.diagonal().maxCoeff() + 1e-12;
+      const Vector6d step = h_.ldlt().solve(b_);
+      if (!step.allFinite()) break;
+      estimate_.cam_from_world = Retract(estimate_.cam_from_world, step);
+      if (step.squaredNorm() < 1e-14) break;
+    }
+  }
+
+  void Classify() {
+    const Eigen::Matrix3d r = estimate_.cam_from_world.RotationMatrix();
+    const Eigen::Vector3d& t = estimate_.cam_from_world.translation;
+    estimate_.num_inliers = estimate_.num_line_inliers = 0;
+    for (size_t i = 0; i < m_.points.size(); ++i) {
+      const PointMeasurement& m = m_.points[i];
+      const Eigen::Vector3d x = r * m.point_in_world + t;
+      const double s =
+          x.z() < kMinDepth ? kInfinity : (camera_.Project(x) - m.px).squaredNorm() * m.inv_sigma2;
+      estimate_.inliers[i] = s <= kChi2Dof2;
+      estimate_.num_inliers += estimate_.inliers[i];
+    }
+    for (size_t i = 0; i < m_.lines.size(); ++i) {
+      const LineMeasurement& m = m_.lines[i];
+      const Eigen::Vector3d start = r * m.start_in_world + t, end = r * m.end_in_world + t;
+      double s = kInfinity;
+      if (start.z() >= kMinDepth || end.z() >= kMinDepth) {
+        s = EvaluateLineResidual(camera_, start.cross(end), m.start_px, m.end_px, false)
+                .value.squaredNorm() *
+            m.inv_sigma2;
+      }
+      estimate_.line_inliers[i] = s <= kChi2Dof2;  // false for NaN
+      estimate_.num_line_inliers += estimate_.line_inliers[i];
+    }
+    if (m_.rotation) {
+      const Eigen::Vector3d e = RotationError();
+      estimate_.rotation_fits = e.dot(m_.rotation->information * e) <= kChi2Dof3;
+    }
+  }
+
+  void EstimateCovariance() {
+    Linearise(false);
+    h_.diagonal().array() += 1e-12;
+    estimate_.covariance = h_.ldlt().solve(Matrix6d::Identity());
+  }
+
+ private:
+  Eigen::Vector3d RotationError() const {
+    return LogSo3(m_.rotation->cam_from_world * estimate_.cam_from_world.rotation.conjugate());
+  }
+
+  void Linearise(bool robust) {
+    h_.setZero();
+    b_.setZero();
+    const Eigen::Matrix3d r = estimate_.cam_from_world.RotationMatrix();
+    const Eigen::Vector3d& t = estimate_.cam_from_world.translation;
+    for (size_t i = 0; i < m_.points.size(); ++i) {
+      if (!estimate_.inliers[i]) continue;
+      const PointMeasurement& m = m_.points[i];
+      const Eigen::Vector3d x = r * m.point_in_world + t;
+      if (x.z() < kMinDepth) continue;
+      Add(camera_.Project(x) - m.px, PointResidualPoseJacobian(ProjectionJacobian(camera_, x), x),
+          m.inv_sigma2, robust);
+    }
+    for (size_t i = 0; i < m_.lines.size(); ++i) {
+      if (!estimate_.line_inliers[i]) continue;
+      const LineMeasurement& m = m_.lines[i];
+      const Eigen::Vector3d start = r * m.start_in_world + t, end = r * m.end_in_world + t;
+      if (start.z() < kMinDepth && end.z() < kMinDepth) continue;
+      const Eigen::Vector3d direction = (end - start).normalized();
+      const Eigen::Vector3d normal = start.cross(direction);
+      const LineResidual residual =
+          EvaluateLineResidual(camera_, normal, m.start_px, m.end_px, true);
+      if (!residual.value.allFinite()) continue;
+      Add(residual.value, residual.by_normal * LineNormalPoseJacobian(normal, direction),
+          m.inv_sigma2, robust);
+    }
+    if (m_.rotation && estimate_.rotation_fits) AddRotation(robust);
+  }
+
+  void Add(const Eigen::Vector2d& e, const Eigen::Matrix<double, 2, 6>& j, double inv_sigma2,
+           bool robust) {
+    const double s = e.squaredNorm() * inv_sigma2;
+    const double w = inv_sigma2 * (robust ? HuberWeight(s, kChi2Dof2) : 1.0);
+    h_.noalias() += w * j.transpose() * j;
+    b_.noalias() -= w * j.transpose() * e;
+  }
+
+  void AddRotation(bool robust) {
+    const Eigen::Vector3d e = RotationError();
+    const Eigen::Matrix3d& information = m_.rotation->information;
+    const double s = e.dot(information * e);
+    const Eigen::Matrix3d j = -InverseRightJacobianSo3(e);
+    const double w = robust ? HuberWeight(s, kChi2Dof3) : 1.0;
+    h_.bottomRightCorner<3, 3>() += w * j.transpose() * information * j;
+    b_.tail<3>() -= w * j.transpose() * information * e;
+  }
+
+  const Camera& camera_;
+  const PoseMeasurements& m_;
+  PoseEstimate& estimate_;
+  Matrix6d h_;
+  Vector6d b_;
 };
-
-/// Squared, whitened error; infinite behind the camera.
-double Chi2(const Camera& camera, const PointMeasurement& m, const Eigen::Matrix3d& r,
-            const Eigen::Vector3d& t) {
-  const Eigen::Vector3d x = r * m.point_in_world + t;
-  if (x.z() < kMinDepth) return std::numeric_limits<double>::infinity();
-  return (camera.Project(x) - m.px).squaredNorm() * m.inv_sigma2;
-}
-
-NormalEquations Linearise(const Camera& camera, std::span<const PointMeasurement> points,
-                          const std::vector<uint8_t>& inliers, const SE3& pose, bool robust) {
-  NormalEquations n;
-  const Eigen::Matrix3d r = pose.RotationMatrix();
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (!inliers[i]) continue;
-    const PointMeasurement& m = points[i];
-    const Eigen::Vector3d x = r * m.point_in_world + pose.translation;
-    if (x.z() < kMinDepth) continue;
-    const Eigen::Vector2d e = camera.Project(x) - m.px;
-    const double s = e.squaredNorm() * m.inv_sigma2;
-    const double w = m.inv_sigma2 * (robust ? HuberWeight(s, kChi2Dof2) : 1.0);
-    n.cost += robust ? HuberCost(s, kChi2Dof2) : s;
-    const Eigen::Matrix<double, 2, 6> j =
-        PointResidualPoseJacobian(ProjectionJacobian(camera, x), x);
-    n.h.noalias() += w * j.transpose() * j;
-    n.b.noalias() -= w * j.transpose() * e;
-  }
-  return n;
-}
-
-int Classify(const Camera& camera, std::span<const PointMeasurement> points, const SE3& pose,
-             std::vector<uint8_t>* inliers) {
-  const Eigen::Matrix3d r = pose.RotationMatrix();
-  int count = 0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    (*inliers)[i] = Chi2(camera, points[i], r, pose.translation) <= kChi2Dof2;
-    count += (*inliers)[i];
-  }
-  return count;
-}
 
 }  // namespace
 
-PoseEstimate OptimizePose(const Camera& camera, std::span<const PointMeasurement> points,
+PoseEstimate OptimizePose(const Camera& camera, const PoseMeasurements& measurements,
                           const SE3& initial, const PoseOptimizerOptions& options) {
   PoseEstimate estimate;
   estimate.cam_from_world = initial;
-  estimate.inliers.assign(points.size(), 1);
-  estimate.num_inliers = 0;
-  if (points.size() < 3) {
-    estimate.inliers.assign(points.size(), 0);
-    return estimate;
-  }
-  SE3 pose = initial;
+  const size_t num_points = measurements.points.size(), num_lines = measurements.lines.size();
+  const bool enough = num_points + num_lines >= 3;
+  estimate.inliers.assign(num_points, enough);
+  estimate.line_inliers.assign(num_lines, enough);
+  if (!enough) return estimate;
+  estimate.rotation_fits = measurements.rotation.has_value();
+  Solver solver(camera, measurements, &estimate);
   for (int round = 0; round < options.rounds; ++round) {
-    const bool robust = round < 2;
-    for (int i = 0; i < options.iterations_per_round; ++i) {
-      NormalEquations n = Linearise(camera, points, estimate.inliers, pose, robust);
-      // A trace of damping keeps directions that nothing observes where they are.
-      n.h.diagonal().array() += 1e-9 * n.h.diagonal().maxCoeff() + 1e-12;
-      const Vector6d step = n.h.ldlt().solve(n.b);
-      if (!step.allFinite()) break;
-      pose = Retract(pose, step);
-      if (step.squaredNorm() < 1e-14) break;
-    }
-    estimate.num_inliers = Classify(camera, points, pose, &estimate.inliers);
+    solver.Iterate(round < 2, options.iterations_per_round);
+    solver.Classify();
   }
-  estimate.cam_from_world = pose;
-  if (estimate.num_inliers >= 3) {
-    NormalEquations n = Linearise(camera, points, estimate.inliers, pose, false);
-    n.h.diagonal().array() += 1e-12;
-    estimate.covariance = n.h.ldlt().solve(Matrix6d::Identity());
-  }
+  if (estimate.num_inliers + estimate.num_line_inliers >= 3) solver.EstimateCovariance();
   return estimate;
 }
 

@@ -62,9 +62,7 @@ std::vector<Match> MatchForInitialisation(const Features& first, const Features&
   std::vector<int> held_distance(second.size(), kFarthest + 1);
   for (int i = 0; i < first.size(); ++i) {
     const int octave = first.keypoints[i].octave;
-    if (options.first_octave_only && octave > 0) continue;
-    const OctaveRange octaves =
-        options.first_octave_only ? OctaveRange{0, 0} : OctaveRange{octave - 1, octave + 1};
+    const OctaveRange octaves{octave - 1, octave + 1};
     TwoBest best;
     second_grid.ForEachInRadius(
         predicted_px[i].x(), predicted_px[i].y(), options.window_px, octaves, [&](int j) {

@@ -38,13 +38,13 @@ struct InitialisationMatchOptions {
   float window_px = 100;  ///< radius around the predicted position
   int max_distance = 50;  ///< Hamming
   float ratio = 0.9f;
-  bool first_octave_only = true;  ///< else all octaves, matched within one octave of each other
   bool check_rotation = true;
   RotationConsistencyOptions rotation = {};
 };
 
-/// One-to-one, ordered by `first`. `predicted_px[i]` is where first.keypoints[i] is expected in the
-/// second image (its own position, or where it was last seen), undistorted px.
+/// One-to-one, ordered by `first`, within one octave of each other. `predicted_px[i]` is where
+/// first.keypoints[i] is expected in the second image (its own position, or where it was last
+/// seen), undistorted px.
 std::vector<Match> MatchForInitialisation(const Features& first, const Features& second,
                                           const FeatureGrid& second_grid,
                                           std::span<const Eigen::Vector2f> predicted_px,

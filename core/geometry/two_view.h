@@ -41,8 +41,8 @@ const char* ToString(TwoViewStatus status);
 enum class TwoViewModel { kEssential, kHomography };
 
 struct TwoViewOptions {
-  int min_matches = 100;
-  int min_points = 50;
+  int min_matches = 50;
+  int min_points = 30;
   /// At least min_points points must be seen under this angle or more.
   double min_parallax_rad = 0.0175;
   /// Points with less parallax are no points, though their matches are inliers.

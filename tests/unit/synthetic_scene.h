@@ -191,7 +191,7 @@ class SyntheticMap {
     keyframe.parent = KeyframeId(keyframe.id.value - 1);
     keyframe.points.resize(view.features.size());
     map.Insert(keyframe);
-    store[keyframe.id] = {view.features, view.grid};
+    store[keyframe.id] = {view.features, view.grid, {}};
     views[keyframe.id] = view;
     return keyframe.id;
   }

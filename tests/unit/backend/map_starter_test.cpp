@@ -41,7 +41,7 @@ struct Fixture {
     proposal.frame_seq = 100 + 5 * id;
     proposal.stamp_us = 1000 + id;
     proposal.features = view.features;
-    store[proposal.id] = {view.features, view.grid};
+    store[proposal.id] = {view.features, view.grid, {}};
     return proposal;
   }
   std::vector<PointId> Start() {

@@ -58,13 +58,13 @@ class IdealFrontend {
       const MapPoint* point = replica.Find(PointId(i));
       if (point && point->map == map_ && TruthOf(*point) >= 0) known[TruthOf(*point)] = point->id;
     }
-    std::vector<PointMeasurement> measurements;
+    PoseMeasurements measurements;
     std::vector<int> features;
     for (int f = 0; f < view.features.size(); ++f) {
       const auto at = known.find(view.point[f]);
       if (at == known.end()) continue;
       const Keypoint& k = view.features.keypoints[f];
-      measurements.push_back(
+      measurements.points.push_back(
           {replica.Find(at->second)->position, k.Position(), 1 / scene.scales.sigma2(k.octave)});
       features.push_back(f);
       proposal.points[f] = at->second;

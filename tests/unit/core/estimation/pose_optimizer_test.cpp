@@ -11,7 +11,7 @@ namespace {
 struct Scene {
   Camera camera;
   SE3 cam_from_world;
-  std::vector<PointMeasurement> measurements;
+  PoseMeasurements measurements;
   std::vector<uint8_t> is_outlier;
 };
 
@@ -36,7 +36,7 @@ Scene MakeScene(std::mt19937& rng, int num_points, double sigma_px, double outli
     m.inv_sigma2 = 1.0 / (sigma_px * sigma_px);
     const bool outlier = i < outlier_share * num_points;
     if (outlier) m.px = {320 + 300 * uniform(rng), 240 + 220 * uniform(rng)};
-    scene.measurements.push_back(m);
+    scene.measurements.points.push_back(m);
     scene.is_outlier.push_back(outlier);
   }
   return scene;
@@ -78,7 +78,7 @@ TEST(PoseOptimizer, FindsThePoseAmongOutliers) {
     EXPECT_LT(e.head<3>().norm(), 0.03);
     EXPECT_LT(e.tail<3>().norm(), 0.01);
     int wrong = 0;
-    for (size_t k = 0; k < scene.measurements.size(); ++k) {
+    for (size_t k = 0; k < scene.measurements.points.size(); ++k) {
       wrong += scene.is_outlier[k] && estimate.inliers[k];
     }
     EXPECT_LE(wrong, 2);
@@ -96,7 +96,8 @@ TEST(PoseOptimizer, TooFewMeasurementsChangeNothing) {
 TEST(PoseOptimizer, PointsBehindTheCameraAreNoInliers) {
   std::mt19937 rng(4);
   Scene scene = MakeScene(rng, 50, 1.0, 0.0, false);
-  scene.measurements[0].point_in_world = scene.cam_from_world.Inverse() * Eigen::Vector3d(0, 0, -2);
+  scene.measurements.points[0].point_in_world =
+      scene.cam_from_world.Inverse() * Eigen::Vector3d(0, 0, -2);
   const PoseEstimate estimate =
       OptimizePose(scene.camera, scene.measurements, scene.cam_from_world, {});
   EXPECT_FALSE(estimate.inliers[0]);

@@ -81,15 +81,9 @@ TEST(MatchForInitialisation, FindsThePermutation) {
   ExpectOneToOneAndOrdered(matches);
 }
 
-TEST(MatchForInitialisation, FirstOctaveOnlyUnlessAskedForAll) {
+TEST(MatchForInitialisation, AllOctavesCount) {
   const Pair pair = MakePair(400, 7, 30, 3);
-  size_t in_first_octave = 0;
-  for (const Keypoint& k : pair.first.keypoints) in_first_octave += k.octave == 0;
   EXPECT_EQ(MatchForInitialisation(pair.first, pair.second, pair.grid, pair.predicted_px).size(),
-            in_first_octave);
-  EXPECT_EQ(MatchForInitialisation(pair.first, pair.second, pair.grid, pair.predicted_px,
-                                   {.first_octave_only = false})
-                .size(),
             400u);
 }
 

@@ -174,7 +174,7 @@ TEST(TwoView, OutliersAloneAreRejected) {
 
 TEST(TwoView, TooFewMatches) {
   SceneMaker maker(11);
-  const Scene scene = maker.Make({.num_matches = 99});
+  const Scene scene = maker.Make({.num_matches = 49});
   EXPECT_EQ(Estimate(scene).status, TwoViewStatus::kTooFewMatches);
   EXPECT_EQ(Estimate(Scene{}).status, TwoViewStatus::kTooFewMatches);
 }
@@ -278,7 +278,7 @@ TEST(TwoView, OptionsAreValidated) {
   EXPECT_TRUE(TwoViewOptions{.min_parallax_rad = 0}.Validate());
   EXPECT_TRUE(TwoViewOptions{.max_rotation_share = 1.5}.Validate());
   EXPECT_TRUE(TwoViewOptions{.min_noise_scale = 0}.Validate());
-  EXPECT_TRUE(TwoViewOptions{.max_sampled_matches = 50}.Validate());
+  EXPECT_TRUE(TwoViewOptions{.max_sampled_matches = 49}.Validate());
   TwoViewOptions options;
   options.ransac.confidence = 1;
   EXPECT_TRUE(options.Validate());

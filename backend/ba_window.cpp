@@ -1,0 +1,48 @@
+#include "backend/ba_window.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace vpslam {
+
+BaWindow ChooseBaWindow(KeyframeId id, const LocalBaOptions& options, const Map& map) {
+  BaWindow window;
+  window.moved.insert(id);
+  for (const auto& [other, shared] : map.Covisible(id, options.min_shared_points)) {
+    if (static_cast<int>(window.moved.size()) >= options.max_keyframes) break;
+    window.moved.insert(other);
+  }
+  std::map<KeyframeId, int> others;
+  const auto add = [&](const auto& ids, auto* chosen) {
+    for (const auto landmark_id : ids) {
+      const auto* landmark = map.Find(landmark_id);
+      if (!landmark || !chosen->insert(landmark_id).second) continue;
+      for (const Observation& o : landmark->observations) {
+        if (!window.moved.contains(o.keyframe)) ++others[o.keyframe];
+      }
+    }
+  };
+  for (const KeyframeId keyframe : window.moved) {
+    add(map.Find(keyframe)->points, &window.points);
+    add(map.Find(keyframe)->lines, &window.lines);
+  }
+  std::vector<std::pair<int, KeyframeId>> ranked;
+  for (const auto& [other, count] : others) ranked.emplace_back(-count, other);
+  std::sort(ranked.begin(), ranked.end());
+  for (const auto& [count, other] : ranked) {
+    if (static_cast<int>(window.fixed.size()) >= options.max_fixed_keyframes) break;
+    window.fixed.insert(other);
+  }
+  // Without others to measure from, the map's first keyframe holds the gauge (the scale is held by
+  // the damping alone: it is free, and nothing pulls at it).
+  if (window.fixed.empty()) {
+    const KeyframeId first = *window.moved.begin();
+    window.moved.erase(first);
+    window.fixed.insert(first);
+  }
+  return window;
+}
+
+}  // namespace vpslam

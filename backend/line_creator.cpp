@@ -1,0 +1,181 @@
+#include "backend/line_creator.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "backend/line_view.h"
+#include "backend/point_creator.h"
+#include "core/features/line_matcher.h"
+#include "core/map/line_view.h"
+
+namespace vpslam {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+bool IsFree(const Keyframe& keyframe, int segment) {
+  return segment >= static_cast<int>(keyframe.lines.size()) || !keyframe.lines[segment].IsValid();
+}
+
+struct View {
+  KeyframeId id;
+  SE3 cam_from_world;
+  const LineSet* lines;
+};
+
+class Creator {
+ public:
+  Creator(const Camera& camera, const Camera::Bounds& bounds, const KeyframeStore& store,
+          const LineMappingOptions& options, Map* map)
+      : camera_(camera), bounds_(bounds), store_(store), options_(options), map_(map) {
+    triangulation_.min_ray_plane_angle_rad = options.min_ray_plane_angle_deg * kRadPerDeg;
+  }
+
+  std::vector<LineId> Run(KeyframeId id) {
+    const View first = MakeView(id);
+    auto covisible = map_->Covisible(id, 1);
+    if (static_cast<int>(covisible.size()) > options_.neighbours) {
+      covisible.resize(options_.neighbours);
+    }
+    for (const auto& [other, shared] : covisible) neighbours_.push_back(MakeView(other));
+    max_depth_ = options_.max_depth_ratio * DepthQuantile(*map_, id, 0.9);
+    std::vector<LineId> created;
+    for (size_t i = 0; i < first.lines->lines.size(); ++i) {
+      const auto segment = static_cast<int32_t>(i);
+      if (!first.lines->lines[i].has_descriptor || !IsFree(*map_->Find(id), segment)) continue;
+      for (const View& second : neighbours_) {
+        const std::optional<LineId> line = TryPair(first, segment, second);
+        if (!line) continue;
+        created.push_back(*line);
+        break;
+      }
+    }
+    return created;
+  }
+
+ private:
+  struct Candidate {
+    int32_t segment = -1;
+    int distance = 257;
+    MapLine line;
+  };
+
+  View MakeView(KeyframeId id) const {
+    return {id, map_->Find(id)->cam_from_world, &store_.at(id).lines};
+  }
+
+  std::optional<LineId> TryPair(const View& first, int32_t segment, const View& second) {
+    const LineSegment& a = first.lines->lines[segment];
+    const Keyframe& keyframe = *map_->Find(second.id);
+    Candidate best, runner_up;
+    for (size_t j = 0; j < second.lines->lines.size(); ++j) {
+      const LineSegment& b = second.lines->lines[j];
+      if (!b.has_descriptor || !IsFree(keyframe, static_cast<int>(j))) continue;
+      const int distance = Distance(a.descriptor, b.descriptor);
+      if (distance > options_.max_distance || distance >= runner_up.distance) continue;
+      const std::optional<MapLine> line = Triangulate(first, a, second, b);
+      if (!line) continue;
+      Candidate candidate{static_cast<int32_t>(j), distance, *line};
+      if (candidate.distance < best.distance) std::swap(candidate, best);
+      if (candidate.distance < runner_up.distance) runner_up = candidate;
+    }
+    if (best.segment < 0 || best.distance > options_.ratio * runner_up.distance) {
+      return std::nullopt;
+    }
+    best.line.descriptor = a.descriptor;
+    return Establish(first, segment, second, best);
+  }
+
+  /// nullopt where the two segments can't be of one line.
+  std::optional<MapLine> Triangulate(const View& first, const LineSegment& a, const View& second,
+                                     const LineSegment& b) const {
+    const std::array views = {ViewSegment(a, first.cam_from_world, camera_),
+                              ViewSegment(b, second.cam_from_world, camera_)};
+    MapLine line;
+    line.axis = CommonAxis(first, a, second, b);
+    std::optional<TriangulatedLine> found;
+    if (line.axis >= 0) {
+      const MapId map_id = map_->Find(first.id)->map;
+      found = TriangulateLineAlong(AxisDirection(line.axis, map_id, *map_), views, triangulation_);
+    } else {
+      found = TriangulateLine(views[0], views[1], triangulation_);
+    }
+    if (!found) return std::nullopt;
+    line.start = found->start;
+    line.end = found->end;
+    for (const Eigen::Vector3d& end : {line.start, line.end}) {
+      const double depth = (first.cam_from_world * end).z();
+      if (!(depth > 0) || depth > max_depth_) return std::nullopt;
+    }
+    if (!Fits(line, first.cam_from_world, a, camera_) ||
+        !Fits(line, second.cam_from_world, b, camera_)) {
+      return std::nullopt;
+    }
+    const auto predicted = PredictSegment(line, second.cam_from_world, camera_, bounds_);
+    if (!predicted) return std::nullopt;
+    const ImageSegment seen = ToImageSegment(b);
+    const SegmentRelation relation = Relate(*predicted, seen);
+    const double shorter_px = std::min(predicted->Length(), seen.Length());
+    if (relation.cosine < 0 || relation.overlap_px < options_.min_overlap * shorter_px) {
+      return std::nullopt;
+    }
+    return line;
+  }
+
+  int CommonAxis(const View& first, const LineSegment& a, const View& second,
+                 const LineSegment& b) const {
+    const int axis = AxisOf(a, *first.lines, *map_->Find(first.id), *map_);
+    return axis >= 0 && axis == AxisOf(b, *second.lines, *map_->Find(second.id), *map_) ? axis : -1;
+  }
+
+  /// Looks for the line in the other neighbours; creates it where that is evidence enough.
+  std::optional<LineId> Establish(const View& first, int32_t segment, const View& second,
+                                  const Candidate& candidate) {
+    LineWindow window;
+    window.max_offset_px = options_.max_offset_px;
+    window.min_overlap = options_.min_overlap;
+    window.max_distance = options_.max_distance;
+    std::vector<std::pair<KeyframeId, int32_t>> others;
+    for (const View& view : neighbours_) {
+      if (view.id == second.id) continue;
+      const auto predicted = PredictSegment(candidate.line, view.cam_from_world, camera_, bounds_);
+      if (!predicted) continue;
+      const auto match =
+          BestLineInWindow(*predicted, candidate.line.descriptor, window, view.lines->lines, {});
+      if (!match || !IsFree(*map_->Find(view.id), match->index)) continue;
+      others.emplace_back(view.id, match->index);
+    }
+    if (others.empty() && candidate.line.axis < 0) return std::nullopt;
+    const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line.start,
+                                       candidate.line.end);
+    map_->SetAxis(id, candidate.line.axis);
+    map_->Observe(first.id, segment, id);
+    map_->Observe(second.id, candidate.segment, id);
+    for (const auto& [keyframe, index] : others) map_->Observe(keyframe, index, id);
+    UpdateEnds(id, camera_, store_, map_);
+    UpdateDescriptor(id, store_, map_);
+    return id;
+  }
+
+  const Camera& camera_;
+  const Camera::Bounds& bounds_;
+  const KeyframeStore& store_;
+  const LineMappingOptions& options_;
+  Map* map_;
+  LineTriangulationOptions triangulation_;
+  std::vector<View> neighbours_;
+  double max_depth_ = 0;
+};
+
+}  // namespace
+
+std::vector<LineId> CreateLines(KeyframeId id, const Camera& camera, const Camera::Bounds& bounds,
+                                const KeyframeStore& store, const LineMappingOptions& options,
+                                Map* map) {
+  return Creator(camera, bounds, store, options, map).Run(id);
+}
+
+}  // namespace vpslam

@@ -1,0 +1,23 @@
+// New map lines: segments of a keyframe that show no line yet are matched with those of its
+// neighbours and triangulated.
+//
+// Two planes always meet in a line, so two views cannot tell a wrong match. A line is created where
+// a third keyframe shows it too, or where both segments point to the same axis of the Manhattan
+// frame, and a line with that direction fits both (VP-directed triangulation).
+#pragma once
+
+#include <vector>
+
+#include "backend/keyframe_store.h"
+#include "backend/mapper_options.h"
+#include "core/geometry/camera.h"
+#include "core/map/map.h"
+
+namespace vpslam {
+
+/// Returns the lines created, each with two or more observations.
+std::vector<LineId> CreateLines(KeyframeId keyframe, const Camera& camera,
+                                const Camera::Bounds& bounds, const KeyframeStore& store,
+                                const LineMappingOptions& options, Map* map);
+
+}  // namespace vpslam
