@@ -4,10 +4,9 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/geometry/axis_naming.h"
 #include "core/geometry/so3.h"
+#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {
@@ -51,15 +50,8 @@ void ManhattanFrame::Clear() {
 }
 
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
-  if (lines.manhattan == ManhattanState::kNone || lines.vanishing_points.size() < 3) return;
-  const auto supported = std::count_if(
-      lines.vanishing_points.begin(), lines.vanishing_points.begin() + 3,
-      [this](const VanishingPoint& vp) { return vp.support >= options_.min_support; });
-  if (supported < 2 || !lines.covariance_rad2.allFinite()) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(lines.covariance_rad2);
-  const double max_sigma = options_.max_sigma_deg * kRadPerDeg;
+  if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) return;
   const double min_sigma = options_.min_sigma_deg * kRadPerDeg;
-  if (solver.eigenvalues().maxCoeff() > max_sigma * max_sigma) return;
   // Errors that images have in common come on top of each one's own.
   const Eigen::Matrix3d covariance =
       lines.covariance_rad2 + min_sigma * min_sigma * Eigen::Matrix3d::Identity();

@@ -9,6 +9,7 @@
 #include "backend/mapper.h"
 #include "core/base/settings.h"
 #include "frontend/tracker.h"
+#include "frontend/tracker_settings.h"
 #include "player/source_factory.h"
 #include "recorder/results.h"
 #include "vpdetector/detector.h"

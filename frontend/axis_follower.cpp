@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/geometry/so3.h"
+#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {
@@ -16,12 +17,6 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 double Square(double x) { return x * x; }
-
-double WorstVariance(const Eigen::Matrix3d& covariance) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
-}
 
 /// No principal variance below `least`.
 Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& covariance, double least) {
@@ -73,13 +68,7 @@ AxisFollower::Update AxisFollower::Take(const LineSet& lines) {
   Update update;
   if (lines.manhattan == ManhattanState::kNone || lines.vanishing_points.size() < 2) return update;
   update.outcome = Outcome::kPoor;
-  const auto num_axes = std::min<std::size_t>(3, lines.vanishing_points.size());
-  const auto supported = std::count_if(
-      lines.vanishing_points.begin(),
-      lines.vanishing_points.begin() + static_cast<std::ptrdiff_t>(num_axes),
-      [this](const VanishingPoint& vp) { return vp.support >= options_.min_support; });
-  if (supported < 2 || !lines.covariance_rad2.allFinite() ||
-      WorstVariance(lines.covariance_rad2) > Square(options_.max_sigma_deg * kRadPerDeg)) {
+  if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) {
     return update;
   }
   const Eigen::Matrix3d measured = lines.cam_from_manhattan.toRotationMatrix();

@@ -83,10 +83,9 @@ int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe_id, Frame*
   return static_cast<int>(matches.size());
 }
 
-int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options,
-                  Frame* frame) {
+PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vector<int>* features,
+                         std::vector<int>* segments) {
   PoseMeasurements measurements;
-  std::vector<int> features, segments;
   for (int i = 0; i < frame->features.size(); ++i) {
     const MapPoint* point = context.map.Find(frame->points[i]);
     if (!point) {
@@ -96,7 +95,7 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
     const Keypoint& keypoint = frame->features.keypoints[i];
     measurements.points.push_back(
         {point->position, keypoint.Position(), 1.0 / context.scales.sigma2(keypoint.octave)});
-    features.push_back(i);
+    features->push_back(i);
   }
   for (size_t i = 0; i < frame->map_lines.size(); ++i) {
     const MapLine* line = context.map.Find(frame->map_lines[i]);
@@ -108,8 +107,16 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
     const double sigma_px = LineSigma_px(segment.sigma_px);
     measurements.lines.push_back({line->start, line->end, segment.start_px.cast<double>(),
                                   segment.end_px.cast<double>(), 1 / (sigma_px * sigma_px)});
-    segments.push_back(static_cast<int>(i));
+    segments->push_back(static_cast<int>(i));
   }
+  return measurements;
+}
+
+int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options, Frame* frame,
+                  const std::optional<RotationMeasurement>& rotation) {
+  std::vector<int> features, segments;
+  PoseMeasurements measurements = Measure(context, frame, &features, &segments);
+  measurements.rotation = rotation;
   const PoseEstimate estimate =
       OptimizePose(context.camera, measurements, frame->cam_from_world, options);
   frame->cam_from_world = estimate.cam_from_world;

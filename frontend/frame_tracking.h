@@ -1,6 +1,7 @@
 // Finding map points in a frame, and the pose that explains them.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/features/scale_levels.h"
@@ -26,9 +27,14 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, double win
 /// Matches the keyframe's points by descriptor alone. Returns how many.
 int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe, Frame* frame);
 
-/// Optimises the pose from the frame's matches; those that do not fit are taken away. Returns the
-/// number that fit.
-int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options,
-                  Frame* frame);
+/// What the frame's matches say about its pose: `features` and `segments` receive the index of
+/// each. Matches with what is gone are taken away.
+PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vector<int>* features,
+                         std::vector<int>* segments);
+
+/// Optimises the pose from the frame's matches and, if there is one, a measured rotation; those
+/// that do not fit are taken away. Returns the number that fit.
+int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options, Frame* frame,
+                  const std::optional<RotationMeasurement>& rotation = {});
 
 }  // namespace vpslam

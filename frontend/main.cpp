@@ -14,6 +14,7 @@
 #include "core/transport/process.h"
 #include "frontend/frontend_process.h"
 #include "frontend/tracker.h"
+#include "frontend/tracker_settings.h"
 
 int main(int argc, char** argv) {
   using namespace vpslam;

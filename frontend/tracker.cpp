@@ -17,6 +17,7 @@
 #include "frontend/line_tracking.h"
 #include "frontend/local_map.h"
 #include "frontend/relocalizer.h"
+#include "frontend/rotation_refinement.h"
 
 namespace vpslam {
 namespace {
@@ -57,6 +58,7 @@ class Tracker::Impl {
         context_{camera_, bounds_, scales_, map_},
         initializer_(camera_, scales_, options.initializer),
         late_(options),
+        paper_rotation_(camera_, options_.rotation),
         rng_(seed) {}
 
   Output Track(const ImageFrame& image, const GetLines& get_lines) {
@@ -142,6 +144,7 @@ class Tracker::Impl {
     frames_since_keyframe_ = 0;
     sightings_.clear();
     late_.Clear();
+    paper_rotation_.Reset();
   }
 
   bool OnProbation() const { return !history_.empty(); }
@@ -259,8 +262,9 @@ class Tracker::Impl {
     std::vector<PointId> visible;
     MatchLocalMap(context_, *local, options_.local_map, 1.0, frame, &visible);
     MatchLines(context_, local->lines, options_.lines, 1.0, frame);
-    OptimizeFrame(context_, options_.pose, frame);
+    OptimizeFrame(context_, options_.pose, frame, MeasuredRotation(*frame));
     if (frame->Support() < options_.local_map.min_inliers) return false;
+    Overwrite(frame);
     for (const PointId id : visible) ++sightings_[id].visible;
     for (const PointId id : frame->points) {
       if (id.IsValid()) ++sightings_[id].found;
@@ -270,6 +274,29 @@ class Tracker::Impl {
     if (!map_.CamFromWorld(frame->reference, &reference_from_world)) return false;
     frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
     return true;
+  }
+
+  std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const {
+    const auto world_from_manhattan = map_.WorldFromManhattan(map_id_);
+    if (options_.rotation.mode != RotationMode::kFused || !frame.lines || !world_from_manhattan) {
+      return std::nullopt;
+    }
+    return MeasureRotation(*frame.lines, *world_from_manhattan, frame.cam_from_world.rotation,
+                           options_.rotation);
+  }
+
+  /// What the paper does after the pose was optimised.
+  void Overwrite(Frame* frame) {
+    Stopwatch stopwatch;
+    if (options_.rotation.mode == RotationMode::kPaper && frame->lines) {
+      paper_rotation_.Refine(*frame->lines, &frame->cam_from_world.rotation);
+      frame->times.rotation_ms = stopwatch.Lap_ms();
+    }
+    if (options_.translation != TranslationMode::kOff) {
+      RefineTranslation(context_, options_.translation, options_.local_map.min_inliers, rng_,
+                        frame);
+      frame->times.translation_ms = stopwatch.Lap_ms();
+    }
   }
 
   void Propose(Frame* frame, Output* output) {
@@ -329,6 +356,7 @@ class Tracker::Impl {
   TrackingContext context_;
   Initializer initializer_;
   LateTracker late_;
+  PaperRotation paper_rotation_;
   std::mt19937_64 rng_;
 
   TrackingState state_ = TrackingState::kInitialising;

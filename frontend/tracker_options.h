@@ -82,6 +82,36 @@ struct LineTrackingOptions {
   }
 };
 
+/// What is done with vanishing points in tracking.
+enum class RotationMode {
+  kOff,
+  kPaper,  ///< overwrites the rotation (sec. III-B)
+  kFused,  ///< a factor of the pose, with its covariance
+};
+/// What is done about the translation when the rotation is known.
+enum class TranslationMode {
+  kOff,
+  kPaper,     ///< eq. 12
+  kWeighted,  ///< its rows by the inverse of depth and sigma
+};
+
+struct VpRotationOptions {
+  RotationMode mode = RotationMode::kFused;
+  int min_support = 5;              ///< lines that each of two axes needs
+  double max_sigma_deg = 1.0;       ///< of the measured rotation about its worst direction
+  double extra_sigma_deg = 1.0;     ///< on top of what the detector says
+  double max_innovation_deg = 5.0;  ///< between measurement and pose: beyond it is not used
+
+  template <class V>
+  void Visit(V& v) {
+    v("mode", mode);
+    v("min_support", min_support);
+    v("max_sigma_deg", max_sigma_deg);
+    v("extra_sigma_deg", extra_sigma_deg);
+    v("max_innovation_deg", max_innovation_deg);
+  }
+};
+
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
@@ -103,6 +133,8 @@ struct TrackerOptions {
   MotionTrackingOptions motion;
   LocalMapOptions local_map;
   LineTrackingOptions lines;
+  VpRotationOptions rotation;
+  TranslationMode translation = TranslationMode::kOff;
   KeyframePolicyOptions keyframes;
   PoseOptimizerOptions pose;
   /// A map that is lost before it has as many keyframes was started wrongly, and is given up.
@@ -119,6 +151,8 @@ struct TrackerOptions {
     v("motion", motion);
     v("local_map", local_map);
     v("lines", lines);
+    v("rotation", rotation);
+    v("translation", translation);
     v("keyframes", keyframes);
     v("pose", pose);
     v("probation_keyframes", probation_keyframes);

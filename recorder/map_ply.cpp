@@ -30,12 +30,24 @@ std::string MapPly(const Map& map, MapId map_id) {
     AppendVertex(keyframe->Center(), "220 40 40", &vertices);
     ++count;
   }
+  std::string edges;
+  int num_edges = 0;
+  for (int32_t i = 0; i < map.line_end(); ++i) {
+    const MapLine* line = map.Find(LineId(i));
+    if (!line || line->map != map_id) continue;
+    AppendVertex(line->start, "40 80 220", &vertices);
+    AppendVertex(line->end, "40 80 220", &vertices);
+    fmt::format_to(std::back_inserter(edges), "{} {}\n", count, count + 1);
+    count += 2;
+    ++num_edges;
+  }
   return fmt::format(
-             "ply\nformat ascii 1.0\ncomment points grey, keyframes red\nelement vertex {}\n"
-             "property float x\nproperty float y\nproperty float z\n"
-             "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-             count) +
-         vertices;
+             "ply\nformat ascii 1.0\ncomment points grey, keyframes red, ends of lines blue\n"
+             "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+             "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+             "element edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n",
+             count, num_edges) +
+         vertices + edges;
 }
 
 }  // namespace vpslam

@@ -87,7 +87,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
   for (const auto& [name, mb] : rss_mb) rss[name] = Rounded(mb);
 
   std::set<MapId> maps;
-  int keyframes = 0, points = 0;
+  int keyframes = 0, points = 0, lines = 0;
   for (int32_t i = 0; i < run.map().keyframe_end(); ++i) {
     const Keyframe* keyframe = run.map().Find(KeyframeId(i));
     if (!keyframe) continue;
@@ -95,6 +95,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
     maps.insert(keyframe->map);
   }
   for (int32_t i = 0; i < run.map().point_end(); ++i) points += run.map().Find(PointId(i)) ? 1 : 0;
+  for (int32_t i = 0; i < run.map().line_end(); ++i) lines += run.map().Find(LineId(i)) ? 1 : 0;
 
   return {{"frames", Frames(run)},
           {"latency_ms", Latency(run)},
@@ -103,6 +104,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
           {"maps", maps.size()},
           {"keyframes", keyframes},
           {"points", points},
+          {"lines", lines},
           {"lines", 0},
           {"wall_s", Rounded(run.wall_s())},
           {"peak_rss_mb", rss},

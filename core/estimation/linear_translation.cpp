@@ -1,0 +1,94 @@
+#include "core/estimation/linear_translation.h"
+
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "core/estimation/point_residual.h"
+#include "core/geometry/chi_square.h"
+#include "core/geometry/random_sample.h"
+
+namespace vpslam {
+namespace {
+
+struct Row {
+  Eigen::Vector3d rotated;  ///< R X
+  Eigen::Vector2d ray;      ///< at z = 1
+  const PointMeasurement* measurement;
+};
+
+class NormalEquations {
+ public:
+  void Add(const Row& row, double weight) {
+    Eigen::Matrix<double, 2, 3> a;
+    a << -1, 0, row.ray.x(), 0, -1, row.ray.y();
+    const Eigen::Vector2d b = row.rotated.head<2>() - row.rotated.z() * row.ray;
+    h_ += weight * a.transpose() * a;
+    g_ += weight * a.transpose() * b;
+  }
+  Eigen::Vector3d Solve() const { return h_.ldlt().solve(g_); }
+
+ private:
+  Eigen::Matrix3d h_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g_ = Eigen::Vector3d::Zero();
+};
+
+double Weight(const Row& row, const Eigen::Vector3d& t, TranslationWeights weights) {
+  if (weights == TranslationWeights::kNone) return 1;
+  const double depth = std::max(kMinDepth, row.rotated.z() + t.z());
+  return row.measurement->inv_sigma2 / (depth * depth);
+}
+
+std::vector<const Row*> Inliers(const Camera& camera, const std::vector<Row>& rows,
+                                const Eigen::Vector3d& t) {
+  std::vector<const Row*> inliers;
+  for (const Row& row : rows) {
+    const Eigen::Vector3d x = row.rotated + t;
+    if (x.z() < kMinDepth) continue;
+    const double error2 = (camera.Project(x) - row.measurement->px).squaredNorm();
+    if (error2 * row.measurement->inv_sigma2 <= kChi2Dof2) inliers.push_back(&row);
+  }
+  return inliers;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> EstimateTranslation(const Camera& camera,
+                                                   std::span<const PointMeasurement> points,
+                                                   const Eigen::Quaterniond& cam_from_world,
+                                                   TranslationWeights weights, int min_inliers,
+                                                   std::mt19937_64& rng) {
+  if (points.size() < 2 || static_cast<int>(points.size()) < min_inliers) return std::nullopt;
+  std::vector<Row> rows;
+  rows.reserve(points.size());
+  for (const PointMeasurement& m : points) {
+    rows.push_back({cam_from_world * m.point_in_world, camera.Unproject(m.px).head<2>(), &m});
+  }
+  constexpr int kSamples = 50;  // 99.99 % sure to draw two good ones of which half are bad
+  std::vector<const Row*> best;
+  const int size = static_cast<int>(rows.size());
+  for (int i = 0; i < kSamples; ++i) {
+    NormalEquations sample;
+    sample.Add(rows[RandomIndex(size, rng)], 1);
+    sample.Add(rows[RandomIndex(size, rng)], 1);
+    const Eigen::Vector3d t = sample.Solve();
+    if (!t.allFinite()) continue;
+    std::vector<const Row*> inliers = Inliers(camera, rows, t);
+    if (inliers.size() > best.size()) best = std::move(inliers);
+  }
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  const int rounds = weights == TranslationWeights::kNone ? 1 : 2;
+  for (int round = 0; round <= rounds; ++round) {
+    if (static_cast<int>(best.size()) < min_inliers) return std::nullopt;
+    NormalEquations all;
+    for (const Row* row : best) {
+      all.Add(*row, Weight(*row, t, round == 0 ? TranslationWeights::kNone : weights));
+    }
+    t = all.Solve();
+    if (!t.allFinite()) return std::nullopt;
+    best = Inliers(camera, rows, t);
+  }
+  return t;
+}
+
+}  // namespace vpslam
