@@ -48,7 +48,7 @@ class Adjustment {
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
     lines_.reserve(window.lines.size());
     for (const LineId id : window.lines) AddLine(*map.Find(id), store, map);
-    for (const KeyframeId id : window.moved) AddRotation(id, manhattan);
+    for (const KeyframeId id : window.moved) AddRotation(*map.Find(id), store.at(id).lines, manhattan);
   }
 
   BaSummary Solve(int max_iterations, double function_tolerance) {
@@ -143,16 +143,28 @@ class Adjustment {
       direction_costs_.emplace_back(AxisDirection(line.axis, line.map, map),
                                     options_.direction_sigma_deg * std::numbers::pi / 180);
       problem_.AddResidualBlock(&direction_costs_.back(), &loss_, parameters);
+      held_lines_.insert(line.id);
     }
     problem_.SetManifold(parameters, &line_manifold_);
     ordering_->AddElementToGroup(parameters, 0);
   }
 
-  void AddRotation(KeyframeId id, const ManhattanFrame& manhattan) {
-    const ManhattanMeasurement* measured = manhattan.Find(id);
-    double* pose = poses_.at(id);
+  /// Segments of lines that are held to their axis already tell the rotation by that: they don't
+  /// count again.
+  void AddRotation(const Keyframe& keyframe, const LineSet& lines,
+                   const ManhattanFrame& manhattan) {
+    const ManhattanMeasurement* measured = manhattan.Find(keyframe.id);
+    double* pose = poses_.at(keyframe.id);
     if (!measured || !problem_.HasParameterBlock(pose)) return;
-    const Eigen::LLT<Eigen::Matrix3d> information(measured->covariance_rad2.inverse());
+    int labelled = 0, counted = 0;
+    for (size_t i = 0; i < lines.lines.size(); ++i) {
+      if (lines.lines[i].label < 0 || lines.lines[i].label > 2) continue;
+      ++labelled;
+      counted += i < keyframe.lines.size() && held_lines_.contains(keyframe.lines[i]);
+    }
+    if (counted == labelled && labelled > 0) return;
+    const double share = labelled > 0 ? 1.0 - static_cast<double>(counted) / labelled : 1.0;
+    const Eigen::LLT<Eigen::Matrix3d> information(share * measured->covariance_rad2.inverse());
     rotation_costs_.emplace_back(measured->cam_from_manhattan, *manhattan.world_from_manhattan(),
                                  information.matrixU());
     problem_.AddResidualBlock(&rotation_costs_.back(), &rotation_loss_, pose);
@@ -176,6 +188,7 @@ class Adjustment {
   std::map<KeyframeId, double*> poses_;
   std::vector<std::pair<PointId, Eigen::Vector3d>> positions_;
   std::vector<std::pair<LineId, LineParameters>> lines_;
+  std::set<LineId> held_lines_;  ///< to their axes
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
 };
