@@ -9,12 +9,14 @@
 #include "backend/line_view.h"
 #include "backend/point_creator.h"
 #include "core/features/line_matcher.h"
+#include "core/geometry/sphere.h"
 #include "core/map/line_view.h"
 
 namespace vpslam {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kMaxDirectionDifference_rad = 2 * kRadPerDeg;
 
 bool IsFree(const Keyframe& keyframe, int segment) {
   return segment >= static_cast<int>(keyframe.lines.size()) || !keyframe.lines[segment].IsValid();
@@ -41,6 +43,7 @@ class Creator {
       covisible.resize(options_.neighbours);
     }
     for (const auto& [other, shared] : covisible) neighbours_.push_back(MakeView(other));
+    is_first_map_ = map_->NumKeyframes(map_->Find(id)->map) == 2;
     max_depth_ = options_.max_depth_ratio * DepthQuantile(*map_, id, 0.9);
     std::vector<LineId> created;
     for (size_t i = 0; i < first.lines->lines.size(); ++i) {
@@ -61,6 +64,7 @@ class Creator {
     int32_t segment = -1;
     int distance = 257;
     MapLine line;
+    bool has_direction = false;  ///< by vanishing points
   };
 
   View MakeView(KeyframeId id) const {
@@ -76,9 +80,10 @@ class Creator {
       if (!b.has_descriptor || !IsFree(keyframe, static_cast<int>(j))) continue;
       const int distance = Distance(a.descriptor, b.descriptor);
       if (distance > options_.max_distance || distance >= runner_up.distance) continue;
-      const std::optional<MapLine> line = Triangulate(first, a, second, b);
+      bool has_direction = false;
+      const std::optional<MapLine> line = Triangulate(first, a, second, b, &has_direction);
       if (!line) continue;
-      Candidate candidate{static_cast<int32_t>(j), distance, *line};
+      Candidate candidate{static_cast<int32_t>(j), distance, *line, has_direction};
       if (candidate.distance < best.distance) std::swap(candidate, best);
       if (candidate.distance < runner_up.distance) runner_up = candidate;
     }
@@ -91,19 +96,18 @@ class Creator {
 
   /// nullopt where the two segments can't be of one line.
   std::optional<MapLine> Triangulate(const View& first, const LineSegment& a, const View& second,
-                                     const LineSegment& b) const {
+                                     const LineSegment& b, bool* has_direction) const {
     const std::array views = {ViewSegment(a, first.cam_from_world, camera_),
                               ViewSegment(b, second.cam_from_world, camera_)};
     MapLine line;
     line.axis = CommonAxis(first, a, second, b);
-    std::optional<TriangulatedLine> found;
-    if (line.axis >= 0) {
-      const MapId map_id = map_->Find(first.id)->map;
-      found = TriangulateLineAlong(AxisDirection(line.axis, map_id, *map_), views, triangulation_);
-    } else {
-      found = TriangulateLine(views[0], views[1], triangulation_);
-    }
+    const std::optional<Eigen::Vector3d> direction =
+        line.axis >= 0 ? AxisDirection(line.axis, map_->Find(first.id)->map, *map_)
+                       : CommonDirection(first, a, second, b);
+    const auto found = direction ? TriangulateLineAlong(*direction, views, triangulation_)
+                                 : TriangulateLine(views[0], views[1], triangulation_);
     if (!found) return std::nullopt;
+    *has_direction = direction.has_value();
     line.start = found->start;
     line.end = found->end;
     for (const Eigen::Vector3d& end : {line.start, line.end}) {
@@ -123,6 +127,20 @@ class Creator {
       return std::nullopt;
     }
     return line;
+  }
+
+  /// Of the vanishing points of both segments, in world, if they are one. In a map of two views
+  /// there is no third to ask, and no Manhattan frame yet; later those tell more.
+  std::optional<Eigen::Vector3d> CommonDirection(const View& first, const LineSegment& a,
+                                                 const View& second, const LineSegment& b) const {
+    if (!is_first_map_ || a.label < 0 || b.label < 0) return std::nullopt;
+    const auto in_world = [](const View& view, int32_t label) {
+      return Eigen::Vector3d(view.cam_from_world.rotation.conjugate() *
+                             view.lines->vanishing_points[label].direction_in_cam);
+    };
+    const Eigen::Vector3d u = in_world(first, a.label), v = in_world(second, b.label);
+    if (AxisAngle_rad(u, v) > kMaxDirectionDifference_rad) return std::nullopt;
+    return Eigen::Vector3d(u + (u.dot(v) < 0 ? -1.0 : 1.0) * v).normalized();
   }
 
   int CommonAxis(const View& first, const LineSegment& a, const View& second,
@@ -148,7 +166,7 @@ class Creator {
       if (!match || !IsFree(*map_->Find(view.id), match->index)) continue;
       others.emplace_back(view.id, match->index);
     }
-    if (others.empty() && candidate.line.axis < 0) return std::nullopt;
+    if (others.empty() && !candidate.has_direction) return std::nullopt;
     const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line.start,
                                        candidate.line.end);
     map_->SetAxis(id, candidate.line.axis);
@@ -168,6 +186,7 @@ class Creator {
   LineTriangulationOptions triangulation_;
   std::vector<View> neighbours_;
   double max_depth_ = 0;
+  bool is_first_map_ = false;
 };
 
 }  // namespace

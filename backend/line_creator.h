@@ -2,8 +2,9 @@
 // neighbours and triangulated.
 //
 // Two planes always meet in a line, so two views cannot tell a wrong match. A line is created where
-// a third keyframe shows it too, or where both segments point to the same axis of the Manhattan
-// frame, and a line with that direction fits both (VP-directed triangulation).
+// a third keyframe shows it too, or where both segments are of the same axis of the Manhattan
+// frame, or, in a map of two views, of the same vanishing point, and a line with that direction
+// fits both (VP-directed triangulation).
 #pragma once
 
 #include <vector>

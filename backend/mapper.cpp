@@ -77,6 +77,13 @@ class Mapper::Impl {
          StartMap(*first_, second, camera_, scales_, store_, options_.ba, &map_)) {
       probation_.Add(id, keyframe_count_);
     }
+    AddLines(second.id);
+  }
+
+  void AddLines(KeyframeId keyframe) {
+    for (const LineId id : CreateLines(keyframe, camera_, bounds_, store_, options_.lines, &map_)) {
+      line_probation_.Add(id, keyframe_count_);
+    }
   }
 
   void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
@@ -97,10 +104,7 @@ class Mapper::Impl {
       probation_.Add(id, keyframe_count_);
     }
     FusePoints(proposal.id, camera_, bounds_, scales_, store_, options_.fuser, &map_);
-    for (const LineId id :
-         CreateLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_)) {
-      line_probation_.Add(id, keyframe_count_);
-    }
+    AddLines(proposal.id);
     FuseLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_);
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();

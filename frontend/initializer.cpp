@@ -1,8 +1,12 @@
 #include "frontend/initializer.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/features/matcher.h"
+#include "core/geometry/axis_naming.h"
+#include "core/geometry/so3.h"
+#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {
@@ -24,6 +28,20 @@ InitialMap MakeInitialMap(const Frame& first, const Frame& second,
   map.second.cam_from_world =
       SE3(motion.second_from_first.rotation, motion.second_from_first.translation * scale);
   return map;
+}
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr int kMinSupport = 5;
+constexpr double kMaxSigma_rad = 1.0 * kRadPerDeg;
+
+/// Between a motion's rotation and the one that the Manhattan axes of both views show.
+double VpDifference_rad(const Eigen::Quaterniond& second_from_first, const LineSet& first,
+                        const LineSet& second) {
+  const Eigen::Quaterniond predicted = second_from_first * first.cam_from_manhattan;
+  const Eigen::Matrix3d measured = second.cam_from_manhattan.toRotationMatrix();
+  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
+  return AngleBetween_rad(Eigen::Quaterniond(Eigen::Matrix3d(measured * naming.Matrix())),
+                          predicted);
 }
 
 }  // namespace
@@ -60,8 +78,28 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
     pairs.push_back({a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
   }
   const TwoViewResult result = EstimateTwoView(camera_, pairs, options_.two_view, rng);
-  if (result.status != TwoViewStatus::kOk) return std::nullopt;
-  return MakeInitialMap(*reference_, frame, matches, result.candidates.front());
+  const TwoViewCandidate* motion = Decide(result, frame);
+  if (!motion) return std::nullopt;
+  return MakeInitialMap(*reference_, frame, matches, *motion);
+}
+
+const TwoViewCandidate* Initializer::Decide(const TwoViewResult& result, const Frame& frame) const {
+  const bool is_clear = result.status == TwoViewStatus::kOk;
+  if (!is_clear && result.status != TwoViewStatus::kAmbiguous) return nullptr;
+  const bool has_vps = options_.vps && reference_->lines && frame.lines &&
+                       IsSoundManhattan(*reference_->lines, kMinSupport, kMaxSigma_rad) &&
+                       IsSoundManhattan(*frame.lines, kMinSupport, kMaxSigma_rad);
+  if (!has_vps) return is_clear ? &result.candidates.front() : nullptr;
+  // One that agrees, where no other does.
+  const TwoViewCandidate* agreeing = nullptr;
+  for (const TwoViewCandidate& candidate : result.candidates) {
+    const double difference_rad =
+        VpDifference_rad(candidate.second_from_first.rotation, *reference_->lines, *frame.lines);
+    if (difference_rad > options_.max_vp_difference_deg * kRadPerDeg) continue;
+    if (agreeing) return nullptr;
+    agreeing = &candidate;
+  }
+  return agreeing;
 }
 
 }  // namespace vpslam

@@ -33,6 +33,8 @@ class Initializer {
 
  private:
   void TakeAsReference(const Frame& frame);
+  /// The motion to start from; nullptr if there is none, or it is not clear which.
+  const TwoViewCandidate* Decide(const TwoViewResult& result, const Frame& frame) const;
 
   const Camera& camera_;
   const ScalePyramid& scales_;

@@ -16,6 +16,10 @@ struct InitializerOptions {
   int min_matches = 50;    ///< with fewer, the reference view is given up for the present one
   int max_frames = 60;     ///< ... and also after as many frames without success
   TwoViewOptions two_view;
+  /// Where both views show the Manhattan axes well, their rotation decides between motions that the
+  /// matches leave open, and a motion that contradicts it by more than that starts no map.
+  bool vps = true;
+  double max_vp_difference_deg = 3.0;
 
   template <class V>
   void Visit(V& v) {
@@ -23,6 +27,8 @@ struct InitializerOptions {
     v("min_matches", min_matches);
     v("max_frames", max_frames);
     v("two_view", two_view);
+    v("vps", vps);
+    v("max_vp_difference_deg", max_vp_difference_deg);
   }
 };
 
