@@ -3,7 +3,7 @@
 import argparse
 import pathlib
 
-from vpslam_tools import install_build, run_command
+from vpslam_tools import install_build, presets, run_command
 from vpslam_tools.errors import UserError
 
 SCENE = "sim:room"
@@ -19,6 +19,7 @@ def add_parser(commands):
     parser.add_argument("--frames", type=run_command.at_least(1), metavar="N",
                         help="at most so many frames")
     parser.add_argument("--out", metavar="DIR", help="results folder; default: results/DATE-demo")
+    presets.add_arguments(parser)
     parser.set_defaults(function=run)
 
 
@@ -40,7 +41,7 @@ def run_options(args, out):
     """What `vpslam run` would be given on the command line."""
     parser = argparse.ArgumentParser()
     run_command.add_parser(parser.add_subparsers())
-    words = ["run", args.scene, "--out", str(out)]
+    words = ["run", args.scene, "--out", str(out)] + presets.words(args)
     if args.frames:
         words += ["--frames", str(args.frames)]
     return parser.parse_args(words)

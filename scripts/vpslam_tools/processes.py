@@ -7,12 +7,12 @@
 
 import json
 
-from vpslam_tools import paths, sources
+from vpslam_tools import paths, presets, sources
 
 DETECTOR = "vpdetector"
 # What summary.json says of how a run was started.
-TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace", "preset", "detectors",
-                "start", "frames"]
+TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace",
+                *presets.options(), "detectors", "start", "frames"]
 
 
 def detectors(options):
@@ -36,7 +36,8 @@ def command_lines(options, url, session, out):
     # Each stream waits for those of its consumers that are named here.
     required = ["frontend", "backend", "recorder"] + [DETECTOR] * (options.detectors > 0)
     common = ["--url", url, "--require", ",".join(required)] + given("pace")
-    settings = [word for setting in options.set for word in ("--set", setting)]
+    settings = [word for setting in presets.settings(options) + options.set
+                for word in ("--set", setting)]
     told = {name: getattr(options, name) for name in TOLD_OPTIONS
             if getattr(options, name) not in (None, [])}
     arguments = {

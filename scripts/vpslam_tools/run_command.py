@@ -9,7 +9,7 @@ import pathlib
 import random
 import re
 
-from vpslam_tools import install_build, multicast, processes, registry, sources
+from vpslam_tools import install_build, multicast, presets, processes, registry, sources
 from vpslam_tools.errors import UserError
 from vpslam_tools.evaluate_command import evaluate_files
 from vpslam_tools.guardian import Guardian
@@ -31,8 +31,8 @@ def at_least(smallest):
 def add_parser(commands):
     parser = commands.add_parser(
         "run", help="run the process graph on a sequence",
-        description="Launches player, frontend, backend and recorder as processes of their own on "
-        "an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends it early, with "
+        description="Launches player, vpdetector, frontend, backend and recorder as processes of "
+        "their own on an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends it early, with "
         "results, and a second one at once.")
     sources.add_arguments(parser)
     parser.add_argument("--out", metavar="DIR",
@@ -46,11 +46,10 @@ def add_parser(commands):
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
     parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",
                         help="of the random numbers (default: 1)")
-    parser.add_argument("--preset", choices=["points"], default="points",
-                        help="points (default): point features only")
-    parser.add_argument("--detectors", type=at_least(0), default=0, metavar="N",
+    presets.add_arguments(parser)
+    parser.add_argument("--detectors", type=at_least(0), metavar="N",
                         help="processes that find lines and vanishing points, which share the "
-                        "images (default: 0)")
+                        "images (default: 1, without lines and vanishing points 0)")
     parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
     parser.add_argument("--session", type=at_least(1), metavar="N",
                         help="id of the run, in the player's messages and the name of its shared "
@@ -60,6 +59,8 @@ def add_parser(commands):
 
 def run(args):
     check_input(args)
+    if args.detectors is None:
+        args.detectors = presets.detectors(args)
     install_build.prepare()
     registry.sweep()
     url = args.url or multicast.free_url()
@@ -86,6 +87,7 @@ def run(args):
 def check_input(args):
     """What would only come out when the processes are up; the rest they check themselves."""
     sources.check(args)
+    presets.check(args)
     for option in ("camera", "config"):
         path = getattr(args, option)
         if path and not pathlib.Path(path).is_file():

@@ -35,7 +35,7 @@ class Detectors(system.SystemTest):
     def start_and_wait_for_frames(self, name, detectors):
         process = self.start(system.sequence(), "--out", self.folder / name, "--frames", FRAMES,
                              "--detectors", detectors)
-        names = system.NAMES + [f"vpdetector{number + 1}" for number in range(detectors)]
+        names = system.WITHOUT_DETECTORS + [f"vpdetector{number + 1}" for number in range(detectors)]
         run = self.wait_until(lambda: self.running(names), "start")
         line = process.stdout.readline()
         while line and not line.startswith("frame"):

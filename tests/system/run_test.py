@@ -81,12 +81,14 @@ class Run(system.SystemTest):
         self.assertEqual(summary["frames"]["tracked"], poses)
         self.assertGreater(summary["latency_ms"]["median"], 0)
         self.assertGreaterEqual(summary["latency_ms"]["p95"], summary["latency_ms"]["median"])
-        for process in system.NAMES:
+        for process in system.WITHOUT_DETECTORS + ["vpdetector"]:
             self.assertGreater(summary["cpu_ms_per_frame"][process], 0)
             self.assertGreater(summary["peak_rss_mb"][process], 1)
         self.assertGreater(summary["wall_s"], 0)
         self.assertEqual((summary["maps"], summary["seed"]), (1, 3))
         self.assertEqual(summary["options"]["pace"], "lockstep")
+        self.assertEqual(summary["options"]["preset"], "default")
+        self.assertEqual(summary["options"]["detectors"], 1)
         self.assertEqual(summary["options"]["sequence"], str(system.sequence()))
 
     def test_a_second_run_is_the_same(self):

@@ -13,7 +13,8 @@ import uuid
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 VPSLAM = str(SOURCE / "scripts" / "vpslam")
-NAMES = ["player", "frontend", "backend", "recorder"]
+WITHOUT_DETECTORS = ["player", "frontend", "backend", "recorder"]
+NAMES = WITHOUT_DETECTORS + ["vpdetector1"]  # of a run that is told nothing
 # What must repeat exactly; the other files hold times.
 RESULTS = ["trajectory.txt", "live_trajectory.txt", "keyframes.txt", "map.ply"]
 # A kernel that grants no more, and a network that loses every twentieth message.

@@ -4,11 +4,11 @@ import argparse
 import os
 import pathlib
 
-from vpslam_tools import install_build, paths, run_command
+from vpslam_tools import install_build, paths, presets, run_command
 from vpslam_tools.benchmark import catalogue
 from vpslam_tools.errors import UserError
 
-FORWARDED = ["config", "preset", "detectors"]
+FORWARDED = ["config", "detectors"]
 
 
 class SequenceSuite:
@@ -54,6 +54,7 @@ class SequenceSuite:
 def options(args):
     forwarded = [word for name in FORWARDED if getattr(args, name) is not None
                  for word in (f"--{name}", str(getattr(args, name)))]
+    forwarded += presets.words(args)
     forwarded += [word for setting in args.set for word in ("--set", setting)]
     return argparse.Namespace(seeds=args.seeds, paces=args.pace.split(","), frames=args.frames,
                               camera=args.camera, run_options=forwarded)
@@ -70,7 +71,8 @@ def add_arguments(group):
                        help="at most so many frames of each")
     group.add_argument("--camera", metavar="FILE", help="calibration for all of them")
     group.add_argument("--no-pictures", action="store_true", help="tables only")
-    for name, metavar in (("config", "FILE"), ("preset", "NAME"), ("detectors", "N")):
+    presets.add_arguments(group)
+    for name, metavar in (("config", "FILE"), ("detectors", "N")):
         group.add_argument(f"--{name}", metavar=metavar, help="passed on to `vpslam run`")
     group.add_argument("--set", action="append", default=[], metavar="SECTION.KEY=VALUE",
                        help="passed on to `vpslam run`; may be repeated")

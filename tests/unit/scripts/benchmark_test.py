@@ -52,7 +52,7 @@ class BenchTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         (self.folder / "bin").mkdir()
         (self.folder / "runtime").mkdir(mode=0o700)
-        for name in ("player", "frontend", "backend", "recorder"):
+        for name in ("player", "vpdetector", "frontend", "backend", "recorder"):
             (self.folder / "bin" / name).write_text(FAKE)
             (self.folder / "bin" / name).chmod(0o755)
         self.count = self.folder / "count"

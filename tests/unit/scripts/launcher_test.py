@@ -18,7 +18,9 @@ SOURCE = pathlib.Path(__file__).resolve().parents[3]
 TOOLS = SOURCE / "scripts" / "vpslam_tools"
 FAKE = pathlib.Path(__file__).resolve().parent / "fake_process.py"
 PATIENCE_S = 60  # on a busy machine
-NAMES = ["player", "frontend", "backend", "recorder"]
+PROGRAMS = ["player", "vpdetector", "frontend", "backend", "recorder"]
+WITHOUT_DETECTORS = [name for name in PROGRAMS if name != "vpdetector"]
+NAMES = WITHOUT_DETECTORS + ["vpdetector1"]  # of a run that is told nothing
 
 
 class LauncherTest(unittest.TestCase):
@@ -26,7 +28,7 @@ class LauncherTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="vpslam-test-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         (self.folder / "bin").mkdir()
-        for name in NAMES + ["vpdetector"]:
+        for name in PROGRAMS:
             os.symlink(FAKE, self.folder / "bin" / name)
         (self.folder / "runtime").mkdir(mode=0o700)
         sequence = self.folder / "room"
@@ -229,12 +231,21 @@ class Detectors(LauncherTest):
 
     def start_two(self):
         process = self.start("run", "room", "--out", "out", "--detectors", "2", FAKE_SECONDS="300")
-        return process, self.wait_until_running(NAMES + self.DETECTORS)
+        return process, self.wait_until_running(WITHOUT_DETECTORS + self.DETECTORS)
 
-    def test_none_unless_asked_for(self):
-        status, output = self.finish(self.start("run", "room", "--out", "out"))
-        self.assertEqual(status, 0, output)
-        self.assertEqual(list((self.folder / "out" / "logs").glob("vpdetector*")), [])
+    def test_none_where_there_is_nothing_for_them_to_do(self):
+        for arguments, detectors in ((["--preset", "points"], 0), (["--preset", "paper"], 1),
+                                     (["--preset", "points", "--lines", "on"], 1),
+                                     (["--preset", "points", "--detectors", "1"], 1),
+                                     (["--detectors", "0"], 0), ([], 1)):
+            with self.subTest(arguments):
+                out = self.folder / "-".join(["out", *arguments])
+                status, output = self.finish(
+                    self.start("run", "room", "--out", str(out), *arguments))
+                self.assertEqual(status, 0, output)
+                self.assertEqual(len(list((out / "logs").glob("vpdetector*"))), detectors)
+                for done in self.folder.glob("*.done"):
+                    done.unlink()
 
     def test_the_loss_of_one_is_told(self):
         process, run = self.start_two()
@@ -306,6 +317,7 @@ class BadInput(LauncherTest):
                 (["room", "--camera", "none.yaml"], "none.yaml: no such file; check --camera"),
                 (["room", "--config", "none.yaml"], "none.yaml: no such file; check --config"),
                 (["room", "--set", "orb.levels=3"], "--set orb.levels=3: write it as"),
+                (["room", "--preset", "paper", "--rotation", "fused"], "add --manhattan on"),
                 (["room", "--out", "file"], "file: cannot be made")):
             with self.subTest(arguments):
                 status, output = self.finish(self.start("run", *arguments))
