@@ -6,20 +6,39 @@ bench.json holds the key of the run: its options and a digest of the programs. A
 still the same is not repeated, so that an interrupted bench goes on where it stopped.
 """
 
+import concurrent.futures
 import hashlib
 import json
 import os
+import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import threading
 import time
+from dataclasses import dataclass
 
 from vpslam_tools import paths, processes, sources
 from vpslam_tools.benchmark import scores
+from vpslam_tools.benchmark.discovery import Found
 from vpslam_tools.errors import UserError
 
 WRONG_COMMAND_LINE = 2
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run that is to be done."""
+    found: Found
+    pace: str
+    seed: int
+    results: pathlib.Path
+    command: list
+    frames: int         # how many it takes, or a guess
+    title: str          # for the progress
+    about: dict         # kept with the run, beside sequence, pace and seed
 
 
 def plan(found, options):
@@ -50,59 +69,111 @@ def command_of(found, pace, seed, results, options):
 
 def run_all(found, options, out, tell):
     """[run], each {"sequence", "pace", "seed", "status": "done" or "failed", "scores", ...}."""
-    jobs = plan(found, options)
-    clock = Clock([_frames(each, options) for each, _, _ in jobs])
-    digest = programs_digest()
-    done = []
-    for index, (each, pace, seed) in enumerate(jobs):
-        results = folder_of(out, each, pace, seed)
-        command = command_of(each, pace, seed, results, options)
-        key = {"command": [word for word in command[4:] if word != str(results)],
-               "programs": digest}
-        title = f"[{index + 1}/{len(jobs)}] {each.sequence.name}, {pace}, seed {seed}"
-        run = read_complete(results, key)
-        if run:
-            tell(f"{title}: done before")
-            clock.skip(index)
-        else:
-            run = run_one(command, results, clock, index, title, tell)
-            run.update(sequence=each.sequence.name, pace=pace, seed=seed, key=key,
-                       results=str(results))
-            write_json(results / "bench.json", run)
-            tell(f"{title}: {describe(run)}; {clock.left(index + 1)}")
-        done.append(run)
-    return done
+    return run_jobs([job_of(each, pace, seed, options, folder_of(out, each, pace, seed))
+                     for each, pace, seed in plan(found, options)], tell)
 
 
-def _frames(found, options):
+def job_of(found, pace, seed, options, results, variant=None):
+    """`variant`: name of what `options` stand for, where there are several."""
     frames = found.frames or 600
-    return min(frames, options.frames) if options.frames else frames
+    title = ", ".join([found.sequence.name, variant or pace, f"seed {seed}"])
+    return Job(found, pace, seed, results, command_of(found, pace, seed, results, options),
+               min(frames, options.frames) if options.frames else frames, title,
+               {"variant": variant} if variant else {})
 
 
-def run_one(command, results, clock, index, title, tell):
-    shutil.rmtree(results, ignore_errors=True)
-    results.mkdir(parents=True)
+def run_jobs(jobs, tell, at_once=1):
+    """The runs, in the order of `jobs`; `at_once` at a time. What Ctrl-C interrupts is not kept."""
+    clock = Clock([job.frames for job in jobs])
+    digest = programs_digest()
+    children = Children()
+
+    def do(index, job):
+        key = {"command": [word for word in job.command[4:] if word != str(job.results)],
+               "programs": digest}
+        title = f"[{index + 1}/{len(jobs)}] {job.title}"
+        run = read_complete(job.results, key)
+        if run:
+            clock.skip(index)
+            tell(f"{title}: done before")
+            return run
+        run = run_one(job, children, lambda frame, line: tell(
+            f"{title}: {line}; {clock.at(index, frame)}"))
+        run.update(job.about, sequence=job.found.sequence.name, pace=job.pace, seed=job.seed,
+                   key=key, results=str(job.results))
+        write_json(job.results / "bench.json", run)
+        tell(f"{title}: {describe(run)}; {clock.at(index, job.frames)}")
+        return run
+
+    with concurrent.futures.ThreadPoolExecutor(at_once) as executor:
+        futures = [executor.submit(do, index, job) for index, job in enumerate(jobs)]
+        try:
+            concurrent.futures.wait(futures, return_when=concurrent.futures.FIRST_EXCEPTION)
+            return [future.result() for future in futures if not future.cancelled()]
+        except BaseException:
+            children.stop()
+            raise
+        finally:
+            for future in futures:
+                future.cancel()
+
+
+class Stopped(Exception):
+    """A run was ended before its time: nothing is known about it."""
+
+
+class Children:
+    """The runs in progress, which end together when one has to."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._running = set()
+        self.stopped = False
+
+    def start(self, command):
+        with self._lock:
+            if self.stopped:
+                raise Stopped
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                       text=True, errors="replace", stdin=subprocess.DEVNULL)
+            self._running.add(process)
+            return process
+
+    def wait(self, process):
+        status = process.wait()
+        with self._lock:
+            self._running.discard(process)
+            if self.stopped:
+                raise Stopped
+        return status
+
+    def stop(self):
+        with self._lock:
+            self.stopped = True
+            for process in self._running:
+                process.send_signal(signal.SIGINT)
+
+
+def run_one(job, children, on_frame):
+    """on_frame(number, line of progress)"""
+    shutil.rmtree(job.results, ignore_errors=True)
+    job.results.mkdir(parents=True)
     began = time.monotonic()
     last_lines = []
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                               errors="replace", stdin=subprocess.DEVNULL)
-    try:
-        for line in process.stdout:
-            last_lines = (last_lines + [line.rstrip()])[-6:]
-            frame = re.match(r"frame (\d+) ", line)
-            if frame:
-                tell(f"{title}: {line.rstrip()}; {clock.left(index, int(frame.group(1)))}")
-        status = process.wait()
-    except KeyboardInterrupt:
-        process.wait()  # Ctrl-C has reached it as well; what it leaves is not a complete run
-        raise
+    process = children.start(job.command)
+    for line in process.stdout:
+        last_lines = (last_lines + [line.rstrip()])[-6:]
+        frame = re.match(r"frame (\d+) ", line)
+        if frame:
+            on_frame(int(frame.group(1)), line.rstrip())
+    status = children.wait(process)
     if status == WRONG_COMMAND_LINE:
         raise UserError("`vpslam run` refuses the options:\n" + "\n".join(last_lines))
     run = {"status": "failed", "why": f"failed: {last_lines[-1] if last_lines else status}",
            "exit_code": status, "wall_s": time.monotonic() - began}
-    if status == 0 and (results / "summary.json").exists():
-        run.update(status="done", why=None, scores=scores.score(results),
-                   summary=json.loads((results / "summary.json").read_text()))
+    if status == 0 and (job.results / "summary.json").exists():
+        run.update(status="done", why=None, scores=scores.score(job.results),
+                   summary=json.loads((job.results / "summary.json").read_text()))
     return run
 
 
@@ -135,17 +206,17 @@ class Clock:
 
     def __init__(self, frames):
         self._frames = list(frames)
-        self._skipped_frames = 0
+        self._worked = {}
         self._began = time.monotonic()
 
     def skip(self, index):
-        self._skipped_frames += self._frames[index]
+        self._frames[index] = 0
 
-    def left(self, index, frame=0):
-        """At `frame` of job `index`."""
-        before = sum(self._frames[:index])
-        worked = before - self._skipped_frames + frame
-        to_do = sum(self._frames) - before - frame
+    def at(self, index, frame):
+        """Job `index` has come to `frame`. Says what is left of all jobs."""
+        self._worked[index] = min(frame, self._frames[index])
+        worked = sum(self._worked.values())
+        to_do = sum(self._frames) - worked
         if to_do <= 0:
             return "nothing left"
         if worked <= 0:

@@ -200,10 +200,12 @@ class Parts(BenchTest):
     def test_time_left(self):
         clock = runs.Clock([100, 100, 100])
         clock.skip(0)
-        self.assertEqual(clock.left(1), "200 frames left")
+        self.assertEqual(clock.at(1, 0), "200 frames left")
         clock._began -= 10
-        self.assertEqual(clock.left(1, 50), "about 30 s left")
-        self.assertEqual(clock.left(3), "nothing left")
+        self.assertEqual(clock.at(1, 50), "about 30 s left")
+        self.assertEqual(clock.at(2, 50), "about 10 s left")  # two at once
+        clock.at(1, 100)
+        self.assertEqual(clock.at(2, 120), "nothing left")
 
     def test_catalogue_has_the_paper_s_nine(self):
         paper = [each for each in catalogue.TUM if each.paper]
