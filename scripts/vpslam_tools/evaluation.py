@@ -9,6 +9,9 @@
   minimises  sum |R_i - C E_i|^2  (Frobenius). C comes from the orientations alone, so positions do
   not disturb it. A constant rotation on the camera's side is not taken out: both trajectories
   speak of the same camera, and an error there is an error.
+- Rotation drift: over every stretch that is half as long as the whole true path, the angle between
+  estimated and true relative rotation, divided by the stretch's length; the median, in degrees per
+  metre.
 - Coverage: frames with a pose / frames of the sequence.
 """
 
@@ -47,6 +50,7 @@ class Evaluation:
     rpe_rotation_deg: Statistics
     rpe_delta_s: float
     rotation_deg: Statistics
+    rotation_drift_deg_per_m: float  # None where the truth does not move
     scale: float
     alignment: str  # "sim3" or "se3"
     poses: int      # in the estimate
@@ -91,6 +95,7 @@ def evaluate(estimate, truth, frame_stamps_s=None, with_scale=True, interpolate=
         rpe_rotation_deg=Statistics.of(np.degrees(rpe_rotation)),
         rpe_delta_s=RPE_DELTA_S,
         rotation_deg=Statistics.of(np.degrees(rotation_errors(paired_estimate, paired_truth))),
+        rotation_drift_deg_per_m=rotation_drift_deg_per_m(paired_estimate, paired_truth),
         scale=float(similarity.scale), alignment="sim3" if with_scale else "se3",
         poses=len(estimate), compared=count, frames=frames, coverage=covered)
 
@@ -105,6 +110,23 @@ def rotation_errors(estimate, truth):
     true = rotations.to_matrices(truth.orientations)
     constant = rotations.nearest_rotation(np.einsum("nij,nkj->ik", true, estimated))
     return rotations.angles_rad(np.swapaxes(true, 1, 2) @ constant @ estimated)
+
+
+def rotation_drift_deg_per_m(estimate, truth):
+    """See the top of this file."""
+    way_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(truth.positions, axis=0),
+                                                            axis=1))])
+    if way_m[-1] <= 0:
+        return None
+    first = np.flatnonzero(way_m <= 0.5 * way_m[-1])
+    second = np.minimum(np.searchsorted(way_m, way_m[first] + 0.5 * way_m[-1]), len(way_m) - 1)
+    estimated, true = (rotations.to_matrices(poses.orientations) for poses in (estimate, truth))
+
+    def turns(matrices):
+        return np.swapaxes(matrices[first], 1, 2) @ matrices[second]
+
+    angles = rotations.angles_rad(np.swapaxes(turns(true), 1, 2) @ turns(estimated))
+    return float(np.median(np.degrees(angles) / (way_m[second] - way_m[first])))
 
 
 def relative_errors(estimate, truth, scale):

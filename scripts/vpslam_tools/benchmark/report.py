@@ -34,13 +34,11 @@ def write(suite, found, missing, runs, args, out):
     per_sequence = [(name, pace, timing.summarise(own)) for (name, pace), own in times.items() if own]
     per_pace = {pace: timing.summarise([each for (_, other), own in times.items() if other == pace
                                         for each in own]) for pace in paces}
-    commits = [revision()] if revision() else sorted(
-        {run["summary"]["commit"] for run in runs if "summary" in run})
-    command = shlex.join(["scripts/vpslam", "bench", *sys.argv[2:]])
+    commits, command = commits_of(runs), command_line()
     text = _text(suite, command, commits, entries, paces, missing, per_pace, per_sequence, args)
     (out / "results.md").write_text(text)
     write_json(out / "results.json", {
-        "suite": suite, "command": command, "commits": commits, "machine": _machine(),
+        "suite": suite, "command": command, "commits": commits, "machine": machine(),
         "missing": [each.name for each in missing],
         "sequences": [{"name": each.sequence.name, "source": each.source,
                        "paper": each.sequence.paper, "elsewhere": each.sequence.elsewhere,
@@ -58,6 +56,23 @@ def _of(runs, found, pace):
     return [run for run in runs if run["sequence"] == found.sequence.name and run["pace"] == pace]
 
 
+def command_line():
+    return shlex.join(["scripts/vpslam", "bench", *sys.argv[2:]])
+
+
+def commits_of(runs):
+    return [revision()] if revision() else sorted(
+        {run["summary"]["commit"] for run in runs if "summary" in run})
+
+
+def origin(command, commits, seeds):
+    """The sentence that says where a table's figures come from."""
+    here = machine()
+    return (f"`{command}`, commit {', '.join(commits) or 'unknown'}, {seeds} "
+            f"seed{'s' * (seeds > 1)}, {here['cores']} cores of {here['cpu']}, load "
+            f"{here['load']} in the end.\n")
+
+
 def revision():
     """Commit of the source tree, "+" if files differ from it; None in an installation. Programs carry
     that of the last configuration only."""
@@ -70,7 +85,7 @@ def revision():
     return commit and commit + "+" * bool(git("status", "--porcelain", "--untracked-files=no"))
 
 
-def _machine():
+def machine():
     model = ""
     cpuinfo = pathlib.Path("/proc/cpuinfo")
     if cpuinfo.exists():
@@ -81,11 +96,7 @@ def _machine():
 
 
 def _text(suite, command, commits, entries, paces, missing, per_pace, per_sequence, args):
-    machine = _machine()
-    parts = [f"# Suite {suite}\n",
-             f"`{command}`, commit {', '.join(commits) or 'unknown'}, {args.seeds} "
-             f"seed{'s' * (args.seeds > 1)}, {machine['cores']} cores of {machine['cpu']}, load "
-             f"{machine['load']} in the end.\n"]
+    parts = [f"# Suite {suite}\n", origin(command, commits, args.seeds)]
     if missing:
         parts.append("Missing: " + ", ".join(each.name for each in missing) + ".\n")
     parts += ["## Accuracy (the paper's table I)\n", tables.accuracy(entries, paces), EXPLANATION]

@@ -14,7 +14,7 @@ def score(results):
     with open(results / "frames.csv", encoding="utf-8") as file:
         frames = sum(1 for _ in csv.DictReader(file))
     figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
-               "rpe_m": None, "rpe_deg": None, "scale": None, "why": None}
+               "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None, "rpe_deg": None, "scale": None, "why": None}
     try:
         estimate = trajectory.read_trajectory(results / "trajectory.txt")
     except UserError:
@@ -31,7 +31,8 @@ def score(results):
         figures["why"] = str(error)
         return figures
     figures.update(ate_m=result.ate_m.rmse, rotation_deg=result.rotation_deg.rmse,
-                   scale=result.scale, compared=result.compared)
+                   rotation_median_deg=result.rotation_deg.median,
+                   rotation_drift_deg_per_m=result.rotation_drift_deg_per_m, scale=result.scale, compared=result.compared)
     if result.rpe_translation_m:
         figures.update(rpe_m=result.rpe_translation_m.rmse, rpe_deg=result.rpe_rotation_deg.rmse)
     return figures
@@ -53,6 +54,8 @@ def combine(runs):
     return {"runs": len(runs), "failed": len(runs) - len(scores),
             "frames": max((each["frames"] for each in scores), default=0),
             "ate_m": over("ate_m", max), "rotation_deg": over("rotation_deg", max),
+            "rotation_median_deg": over("rotation_median_deg", max),
+            "rotation_drift_deg_per_m": over("rotation_drift_deg_per_m", max),
             "rpe_m": over("rpe_m", max), "rpe_deg": over("rpe_deg", max),
             "coverage": {"median": float(np.median(coverages)), "worst": min(coverages)},
             "why": "; ".join(reasons) or None}

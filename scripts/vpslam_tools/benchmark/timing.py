@@ -38,6 +38,13 @@ def read_times(results):
             "mapping": {stage: read_column(keyframes, f"{stage}_ms") for stage in MAPPING}}
 
 
+def frontend_work_ms(tracking):
+    """(n,) of each frame: from image to pose, without transport and without waiting for lines.
+    tracking: of read_times(). NaN where a frame has no total."""
+    waiting = np.nansum(np.array([tracking["transport"], tracking["wait_for_lines"]]), axis=0)
+    return tracking["total"] - waiting
+
+
 def summarise(list_of_times):
     """Mean, median and count of each stage over all frames of several runs."""
     summary = {}

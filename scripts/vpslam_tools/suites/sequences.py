@@ -27,7 +27,7 @@ class SequenceSuite:
         else:
             found, missing = discovery.discover(self.sequences, args.data or self.default_data())
         if args.sequence:
-            found, missing = self.select(found, missing, args.sequence)
+            found, missing = select(found, missing, args.sequence)
         for each in missing:
             print(f"missing  {each.name}  ({each.folder})", flush=True)
         if not found:
@@ -37,24 +37,26 @@ class SequenceSuite:
         print(report.write(self.NAME, found, missing, done, args, args.out))
         return 0 if all(run["status"] == "done" for run in done) else 1
 
-    @staticmethod
-    def select(found, missing, names):
-        def wanted(sequence):
-            return sequence.name in names or sequence.folder in names
-        chosen = [each for each in found if wanted(each.sequence)]
-        absent = [each for each in missing if wanted(each)]
-        known = {name for each in [each.sequence for each in chosen] + absent
-                 for name in (each.name, each.folder)}
-        for name in names:
-            if name not in known:
-                raise UserError(f"--sequence {name}: the suite has none of this name")
-        return chosen, absent
+
+def select(found, missing, names):
+    """Those that --sequence names."""
+    def wanted(sequence):
+        return sequence.name in names or sequence.folder in names
+    chosen = [each for each in found if wanted(each.sequence)]
+    absent = [each for each in missing if wanted(each)]
+    known = {name for each in [each.sequence for each in chosen] + absent
+             for name in (each.name, each.folder)}
+    for name in names:
+        if name not in known:
+            raise UserError(f"--sequence {name}: the suite has none of this name")
+    return chosen, absent
 
 
-def options(args):
+def options(args, preset_words=None):
+    """Of all runs. preset_words: instead of the preset and switches that were given."""
     forwarded = [word for name in FORWARDED if getattr(args, name) is not None
                  for word in (f"--{name}", str(getattr(args, name)))]
-    forwarded += presets.words(args)
+    forwarded += presets.words(args) if preset_words is None else preset_words
     forwarded += [word for setting in args.set for word in ("--set", setting)]
     return argparse.Namespace(seeds=args.seeds, paces=args.pace.split(","), frames=args.frames,
                               camera=args.camera, run_options=forwarded)
