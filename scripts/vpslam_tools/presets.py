@@ -1,7 +1,7 @@
 """What a run does with lines and vanishing points: presets, and switches over them, as settings.
 
-A preset is a set of switches, a single switch goes over it, and the user's own --set over both. What
-neither preset nor switch names stays as --config or the programs have it.
+A preset is a set of switches, a single switch goes over it, and the user's own --set over both.
+What neither preset nor switch names stays as --config or the programs have it.
 """
 
 from vpslam_tools.errors import UserError
@@ -17,21 +17,25 @@ SWITCHES = {
     "vp": (VP_METHODS, ["vpdetector.vps.method"], "how vanishing points are found"),
     "manhattan": ([ON, OFF], ["backend.manhattan.enabled"],
                   "hold bundle adjustment to the Manhattan frame of the map"),
+    "vp-init": ([ON, OFF], ["frontend.initializer.vps"],
+                "let vanishing points have a say in how a map starts"),
     "rotation": ([OFF, "paper", "fused"], ["frontend.rotation.mode"],
-                 "what tracking makes of vanishing points: nothing, the rotation itself (the paper's "
-                 "section III-B), or a factor of the pose, for which --manhattan has to be on"),
+                 "what tracking makes of vanishing points: nothing, the rotation itself (the "
+                 "paper's section III-B), or a factor of the pose, for which --manhattan has to be "
+                 "on"),
     "translation": ([OFF, "paper", "weighted"], ["frontend.translation"],
                     "translation once more, with known rotation (the paper's section III-C)"),
 }
 # Without any of these there is nothing for a detector to do.
-NEED_DETECTORS = ["lines", "manhattan", "rotation"]
+NEED_DETECTORS = ["lines", "manhattan", "vp-init", "rotation"]
 
 PRESETS = {
     DEFAULT: {},
-    "points": {"lines": OFF, "manhattan": OFF, "rotation": OFF, "translation": OFF},
-    "points-lines": {"lines": ON, "manhattan": OFF, "rotation": OFF, "translation": OFF},
-    "paper": {"lines": ON, "vp": "two_line_grid", "manhattan": OFF, "rotation": "paper",
-              "translation": "paper"},
+    "points": {"lines": OFF, "manhattan": OFF, "vp-init": OFF, "rotation": OFF, "translation": OFF},
+    "points-lines": {"lines": ON, "manhattan": OFF, "vp-init": OFF, "rotation": OFF,
+                     "translation": OFF},
+    "paper": {"lines": ON, "vp": "two_line_grid", "manhattan": OFF, "vp-init": OFF,
+              "rotation": "paper", "translation": "paper"},
 }
 # Settings of a preset that no switch stands for.
 FURTHER_SETTINGS = {"paper": ["vpdetector.lines.detector.kind=lsd"]}
@@ -39,8 +43,8 @@ FURTHER_SETTINGS = {"paper": ["vpdetector.lines.detector.kind=lsd"]}
 
 def add_arguments(parser):
     parser.add_argument("--preset", choices=list(PRESETS), default=DEFAULT,
-                        help="default: what does best; points: point features only; points-lines: no "
-                        "vanishing points; paper: what the paper describes")
+                        help="default: what does best; points: point features only; points-lines: "
+                        "no vanishing points; paper: what the paper describes")
     for name, (values, _, what) in SWITCHES.items():
         parser.add_argument(f"--{name}", choices=values, help=f"{what}; default: the preset's")
 

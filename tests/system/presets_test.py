@@ -1,4 +1,4 @@
-"""Presets and switches with the real processes: each takes the settings that it is given, by its log."""
+"""Presets and switches with the real processes, which log the settings in effect."""
 
 import json
 import unittest
@@ -30,7 +30,8 @@ class Presets(system.SystemTest):
         logs = self.start_with("--preset", "points")
         self.assertEqual(sorted(logs), sorted(system.WITHOUT_DETECTORS))
         self.assert_settings(
-            logs, frontend=["lines.enabled=0", "rotation.mode=off", "translation=off"],
+            logs, frontend=["lines.enabled=0", "rotation.mode=off", "translation=off",
+                            "initializer.vps=0"],
             backend=["lines.enabled=0", "manhattan.enabled=0"])
         self.assertEqual(self.options["preset"], "points")
 
@@ -43,11 +44,12 @@ class Presets(system.SystemTest):
             vpdetector1=["lines.detector.kind=lsd", "vps.method=two_line_grid"])
 
     def test_switches_over_a_preset_and_settings_over_switches(self):
-        logs = self.start_with("--preset", "points-lines", "--manhattan", "on", "--rotation", "fused",
-                               "--translation", "weighted", "--vp", "two_line_grid_raw",
-                               "--set", "frontend.translation=off")
+        logs = self.start_with("--preset", "points-lines", "--manhattan", "on",
+                               "--rotation", "fused", "--translation", "weighted", "--vp", "two_line_grid_raw",
+                               "--vp-init", "on", "--set", "frontend.translation=off")
         self.assert_settings(
-            logs, frontend=["lines.enabled=1", "rotation.mode=fused", "translation=off"],
+            logs, frontend=["lines.enabled=1", "rotation.mode=fused", "translation=off",
+                            "initializer.vps=1"],
             backend=["lines.enabled=1", "manhattan.enabled=1"],
             vpdetector1=["vps.method=two_line_grid_raw"])
         self.assertEqual(self.options["rotation"], "fused")

@@ -10,17 +10,17 @@ from vpslam_tools.benchmark.runs import write_json
 
 EXPLANATION = """\
 ATE: RMSE after alignment by a similarity. Rotation: median over the frames of the angle left after
-one constant rotation. Drift: median error of the relative rotation over half of the way, by its
-length. Coverage: frames with a pose / frames. Where there are several seeds: median / worst.
-Frontend: median over the frames of the time from image to pose, without transport and without waiting
-for lines. CPU: mean per frame, of the frontend and of all processes. Both are those of seed 1, which ran
-alone.
+one constant rotation. Drift: median error of the relative rotation over half of the way, by
+its length. Coverage: frames with a pose / frames. Where there are several seeds: median / worst.
+Frontend: median over the frames of the time from image to pose, without transport and without
+waiting for lines. CPU: mean per frame, of the frontend and of all processes. Both are those of
+seed 1, which ran alone.
 \\* poses for less than 90 % of the frames: the error is that of a part.
 """
 PAIRED = """\
 Paired by seed, over the frames that both tracked, each aligned on these: the seed that is nearest to
-failing. Allowed is the most of 5 %, 0.002 m and the spread of points' ATE over the seeds; of coverage
-1 %.
+failing. Allowed is the most of 5 %, 0.002 m and the spread of points' ATE over the seeds; of
+coverage 1 %.
 """
 TIMES = ["frontend_ms", "frontend_cpu_ms", "all_cpu_ms"]
 

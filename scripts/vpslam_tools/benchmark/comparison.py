@@ -1,7 +1,7 @@
 """Two variants on one sequence, run by run: over the frames that both tracked.
 
-A variant that is lost early is not judged by its small error, and one that goes on where the other is
-lost not by what it met there: of each pair of runs with one seed, only the frames that both have a
+A variant that is lost early is not judged by its small error, and one that goes on where the other
+is lost not by what it met there: of each pair of runs with one seed, only the frames that both have a
 pose for count, and each trajectory is aligned on these.
 """
 

@@ -6,8 +6,8 @@ from vpslam_tools.errors import UserError
 from vpslam_tools.suites import sequences
 
 NAME = "ablation"
-HELP = ("what lines and vanishing points are worth: points, points+lines, and each step from there to "
-        "the paper and to the default; seed 1 of each runs alone, for its times")
+HELP = ("what lines and vanishing points are worth: points, points+lines, and each step from there "
+        "to the paper and to the default; seed 1 of each runs alone, for its times")
 PACE = "lockstep"
 AT_ONCE = 2
 LINES = ["--preset", "points-lines"]
@@ -27,9 +27,10 @@ SIMULATED = [each for each in catalogue.SIM if each.folder in ("sim:room", "sim:
 
 
 def run(args):
-    if args.pace != PACE or args.detectors or presets.given(args) or args.preset != presets.DEFAULT:
-        raise UserError(f"--suite {NAME} chooses pace, detectors, presets and switches itself; leave "
-                        "them out")
+    if (args.pace != PACE or args.detectors or presets.given(args)
+            or args.preset != presets.DEFAULT):
+        raise UserError(f"--suite {NAME} chooses pace, detectors, presets and switches itself; "
+                        "leave them out")
     install_build.prepare()
     # What needs numpy, which may have just been installed.
     from vpslam_tools.benchmark import ablation_report, discovery, runs

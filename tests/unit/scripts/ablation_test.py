@@ -1,5 +1,5 @@
-"""`vpslam bench --suite ablation`: what it runs, how it goes on, and what it calls worse. Stand-ins take
-the place of the processes: what they write follows from the settings that they are given."""
+"""`vpslam bench --suite ablation`: what it runs, how it goes on, and what it calls worse. Stand-ins
+take the place of the processes: what they write follows from the preset that they are told."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from vpslam_tools.suites import ablation  # noqa: E402
 
 TRACKING = ("frame,timestamp,state,inliers,decode_ms,transport_ms,features_ms,lines_ms,vps_ms,"
             "wait_for_lines_ms,initial_pose_ms,rotation_ms,translation_ms,local_map_ms,total_ms\n")
-# The default is off by FAKE_ERROR_M at every other frame, and has no pose for the last FAKE_LOST frames.
+# The default is off by FAKE_ERROR_M at every other frame, and lost for the last FAKE_LOST frames.
 FAKE = f"""#!/usr/bin/python3
 import json, os, pathlib, sys, time
 def option(flag): return sys.argv[sys.argv.index(flag) + 1]

@@ -43,7 +43,8 @@ class Presets(unittest.TestCase):
 
     def test_points_uses_neither_lines_nor_vanishing_points(self):
         settings = settings_in_effect("--preset", "points")
-        for key in ("frontend.lines.enabled", "backend.lines.enabled", "backend.manhattan.enabled"):
+        for key in ("frontend.lines.enabled", "backend.lines.enabled", "backend.manhattan.enabled",
+                    "frontend.initializer.vps"):
             self.assertEqual(settings[key], "false", key)
         self.assertEqual(settings["frontend.rotation.mode"], "off")
         self.assertEqual(settings["frontend.translation"], "off")
@@ -62,7 +63,8 @@ class Presets(unittest.TestCase):
                            ("vpdetector.vps.method", "two_line_grid"),
                            ("frontend.lines.enabled", "true"), ("frontend.rotation.mode", "paper"),
                            ("frontend.translation", "paper"),
-                           ("backend.manhattan.enabled", "false")):
+                           ("backend.manhattan.enabled", "false"),
+                           ("frontend.initializer.vps", "false")):
             self.assertEqual(settings[key], value, key)
 
     def test_switch_over_preset_and_setting_over_switch(self):
@@ -86,6 +88,7 @@ class Presets(unittest.TestCase):
                                 (["--preset", "points", "--rotation", "paper"], 1),
                                 (["--preset", "points", "--translation", "paper"], 0),
                                 (["--preset", "points-lines", "--lines", "off"], 0),
+                                (["--preset", "points", "--vp-init", "on"], 1),
                                 (["--preset", "points", "--detectors", "2"], 2)):
             self.assertEqual(parse(*words).detectors, expected, words)
 
@@ -105,7 +108,8 @@ class Presets(unittest.TestCase):
         presets.check(parse("--rotation", "fused"))
 
     def test_words_say_the_same(self):
-        words = ["--preset", "paper", "--lines", "off", "--vp", "three_line"]
+        words = ["--preset", "paper", "--lines", "off", "--vp", "three_line",
+                 "--vp-init", "on"]
         self.assertEqual(presets.words(parse(*words)), words)
 
     def test_demo_passes_them_on(self):
