@@ -52,7 +52,8 @@ def folder_of(out, found, pace, seed):
 
 
 def programs_digest():
-    digest = hashlib.sha256()
+    # What a preset stands for is decided beside the programs.
+    digest = hashlib.sha256((paths.TOOLS / "presets.py").read_bytes())
     for name in ("player", processes.DETECTOR, "frontend", "backend", "recorder"):
         path = paths.binaries() / name
         digest.update(path.read_bytes() if path.exists() else b"")
