@@ -19,6 +19,7 @@ constexpr const char* kBackend = "backend";
 constexpr const char* kPlayer = "player";
 constexpr std::chrono::milliseconds kRequestPeriod{500};
 constexpr std::chrono::hours kForever{24 * 365};
+constexpr int kFeaturesWindow = 4;  // of some 60 kB
 
 StreamWriterOptions Window(int window) {
   StreamWriterOptions options;
@@ -34,19 +35,32 @@ double ElapsedMs(int64_t since_us) {
 
 FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                                  const std::vector<std::string>& required, MakeTracker make_tracker,
-                                 const std::optional<LineSourceOptions>& lines)
+                                 const std::optional<LineSourceOptions>& lines,
+                                 const FrontendStreams& streams)
     : bus_(bus),
       peers_(peers),
       status_(status),
       required_(required),
       make_tracker_(std::move(make_tracker)),
       camera_(bus),
-      images_(bus, kImageChannel, kName, AckPolicy::kWhenDone),
       lines_(lines ? std::make_unique<LineSource>(bus, peers, *lines) : nullptr),
       deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
       poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required), Window(64)),
-      keyframes_(bus, kKeyframeChannel, RequiredConsumers(kKeyframeConsumers, required), Window(2)),
-      requests_(bus, kMapRequestChannel) {}
+      keyframes_(bus, kKeyframeChannel,
+                 AndRecorderIf(streams.recorded, RequiredConsumers(kKeyframeConsumers, required)),
+                 Window(2)),
+      requests_(bus, kMapRequestChannel) {
+  if (streams.take_features) {
+    replayed_ =
+        std::make_unique<ReplayedFeatures>(bus, kFeaturesChannel, kName, AckPolicy::kWhenDone);
+    return;
+  }
+  images_ = std::make_unique<Images>(bus, kImageChannel, kName, AckPolicy::kWhenDone);
+  if (streams.recorded) {
+    features_ = std::make_unique<StreamWriter<FrameFeatures>>(
+        bus, kFeaturesChannel, AndRecorderIf(true, {}), Window(kFeaturesWindow));
+  }
+}
 
 void FrontendProcess::Run() {
   status_.SetState(ProcessState::kReady);
@@ -56,17 +70,22 @@ void FrontendProcess::Run() {
   if (!CatchUp()) return;
   CheckBackend();
   status_.SetState(ProcessState::kRunning);
+  if (!(replayed_ ? WorkOff(*replayed_) : WorkOff(*images_))) return;
+  if (Finish()) spdlog::info("end of the sequence");
+}
+
+template <class T>
+bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
   while (true) {
-    if (!peers_.WaitFor([this] { return images_.HasNews(); }, {kPlayer})) return;
-    status_.SetQueued(static_cast<int64_t>(images_.size()));
-    if (images_.Ended()) break;
-    const auto item = images_.TryTake();
+    if (!peers_.WaitFor([&] { return frames.HasNews(); }, {kPlayer})) return false;
+    status_.SetQueued(static_cast<int64_t>(frames.size()));
+    if (frames.Ended()) return true;
+    const auto item = frames.TryTake();
     if (!item) continue;
-    if (!Process(*item)) return;
-    images_.Done(item->header);
+    if (!Process(*item)) return false;
+    frames.Done(item->header);
     status_.AddProcessed();
   }
-  if (Finish()) spdlog::info("end of the sequence");
 }
 
 bool FrontendProcess::Process(const Images::Item& item) {
@@ -76,39 +95,55 @@ bool FrontendProcess::Process(const Images::Item& item) {
     CountRejected(bus_, kImageChannel, why);
     return true;
   }
-  const double transport_ms = ElapsedMs(image->published_us);
+  Waits waits;
+  waits.transport_ms = ElapsedMs(image->published_us);
   if (item.restarted && lines_) lines_->Restart();
-  std::optional<LineSet> lines;
-  double wait_for_lines_ms = kNotRun;
+  FrameFeatures features = tracker_->extract(*image);
   const GetLines get_lines = [&]() -> const LineSet* {
-    if (lines_ && !std::isfinite(wait_for_lines_ms)) {
+    if (lines_ && !std::isfinite(waits.for_lines_ms)) {
       Stopwatch watch;
-      lines = lines_->WaitFor(*image);
-      wait_for_lines_ms = watch.Lap_ms();
+      if (auto lines = lines_->WaitFor(*image)) {
+        features.lines = std::make_shared<const LineSet>(*std::move(lines));
+      }
+      waits.for_lines_ms = watch.Lap_ms();
     }
-    return lines ? &*lines : nullptr;
+    return features.lines.get();
   };
-  Tracker::Output output = tracker_->track(*image, get_lines);
+  Tracker::Output output = tracker_->track(features, get_lines);
   get_lines();  // not before they are there is a detector done with the image's slot
   if (bus_.interrupted()) return false;
-  for (FramePose& pose : output.poses) {
-    if (!pose.live || pose.frame_seq != image->frame_seq) continue;
-    pose.image_published_us = image->published_us;
-    pose.times.decode_ms = image->decode_ms;
-    pose.times.transport_ms = transport_ms;
-    pose.times.wait_for_lines_ms = wait_for_lines_ms;
-    if (lines) {
-      pose.times.lines_ms = lines->lines_ms + lines->descriptors_ms;
-      pose.times.vps_ms = lines->vps_ms;
+  return Publish(&output, features, waits);
+}
+
+bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
+  const FrameFeatures& features = item.value;
+  Waits waits;
+  waits.transport_ms = ElapsedMs(features.published_us);
+  Tracker::Output output = tracker_->track(features, [&] { return features.lines.get(); });
+  return Publish(&output, features, waits);
+}
+
+bool FrontendProcess::Publish(Tracker::Output* output, const FrameFeatures& features,
+                              const Waits& waits) {
+  for (FramePose& pose : output->poses) {
+    if (!pose.live || pose.frame_seq != features.frame_seq) continue;
+    pose.image_published_us = features.published_us;
+    pose.times.decode_ms = features.decode_ms;
+    pose.times.transport_ms = waits.transport_ms;
+    pose.times.wait_for_lines_ms = waits.for_lines_ms;
+    if (features.lines) {
+      pose.times.lines_ms = features.lines->lines_ms + features.lines->descriptors_ms;
+      pose.times.vps_ms = features.lines->vps_ms;
     }
-    pose.times.total_ms = ElapsedMs(image->published_us);
+    pose.times.total_ms = ElapsedMs(features.published_us);
   }
-  if (!SendPoses(output.poses)) return false;
-  if (output.keyframes.empty()) return true;
-  for (const KeyframeProposal& keyframe : output.keyframes) {
+  if (!SendPoses(output->poses)) return false;
+  for (const KeyframeProposal& keyframe : output->keyframes) {
     if (!keyframes_.Send(keyframe)) return false;
   }
-  return WaitForAnswer(output.keyframes.back().id);
+  // Behind what others wait for, and while the backend works.
+  if (features_ && !features_->Send(features)) return false;
+  return output->keyframes.empty() || WaitForAnswer(output->keyframes.back().id);
 }
 
 bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
@@ -182,6 +217,7 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
 bool FrontendProcess::Finish() {
   if (!SendPoses(tracker_->finish().poses)) return false;
   if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
+  if (features_ && (!features_->SendEnd() || !features_->WaitAllAcked(kForever))) return false;
   if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;
   // The backend ends MAP next, and waits until this process has received that.
   if (!peers_.Get(kBackend)) return true;

@@ -1,5 +1,6 @@
 // The frontend as a process: takes images from the graph, gives them to a tracker, and publishes
-// what that says; keeps the tracker's replica of the map up to date.
+// what that says; keeps the tracker's replica of the map up to date. From a log it takes features
+// in place of images.
 //
 // Lockstep: after a keyframe was proposed, the next image waits until the deltas up to the
 // backend's answer were applied. So the tracker sees images and deltas in one order, whatever the
@@ -12,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
@@ -34,7 +36,8 @@ namespace vpslam {
 /// What the loop needs of a tracker; see frontend/tracker.h for what each does. There are no lines
 /// without detectors, when they come too late (in realtime), and when the process is about to stop.
 struct TrackerCalls {
-  std::function<Tracker::Output(const ImageFrame&, const GetLines&)> track;
+  std::function<FrameFeatures(const ImageFrame&)> extract;
+  std::function<Tracker::Output(const FrameFeatures&, const GetLines&)> track;
   std::function<bool(const MapDelta&)> apply;
   std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
@@ -43,13 +46,19 @@ struct TrackerCalls {
 /// Called once, when the camera is known.
 using MakeTracker = std::function<TrackerCalls(const Camera&)>;
 
+struct FrontendStreams {
+  bool take_features = false;  ///< FEATURES, which somebody replays, instead of IMAGE
+  bool recorded = false;       ///< the recorder gets FEATURES and KEYFRAME, nothing left out
+};
+
 class FrontendProcess {
  public:
   /// Subscribes. `required` names the processes that acknowledge POSE and KEYFRAME. `lines` says
   /// how images wait for lines; without it no detector is asked.
   FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                   const std::vector<std::string>& required, MakeTracker make_tracker,
-                  const std::optional<LineSourceOptions>& lines = std::nullopt);
+                  const std::optional<LineSourceOptions>& lines = std::nullopt,
+                  const FrontendStreams& streams = {});
 
   /// Until the stream of images has ended and everything is acknowledged, or the bus is
   /// interrupted. Throws PeerGoneError.
@@ -57,8 +66,18 @@ class FrontendProcess {
 
  private:
   using Images = StreamReader<ImageMessage>;
+  using ReplayedFeatures = StreamReader<FrameFeatures>;
 
+  /// Until `frames` has ended: true; false if interrupted.
+  template <class T>
+  bool WorkOff(StreamReader<T>& frames);
   bool Process(const Images::Item& item);
+  bool Process(const ReplayedFeatures::Item& item);
+  struct Waits {
+    double transport_ms = kNotRun;
+    double for_lines_ms = kNotRun;
+  };
+  bool Publish(Tracker::Output* output, const FrameFeatures& features, const Waits& waits);
   bool Finish();
   bool SendPoses(const std::vector<FramePose>& poses);
   /// Takes the map over, if there is one already.
@@ -76,12 +95,14 @@ class FrontendProcess {
   std::optional<TrackerCalls> tracker_;
 
   CameraReceiver camera_;
-  Images images_;
+  std::unique_ptr<Images> images_;  ///< or else
+  std::unique_ptr<ReplayedFeatures> replayed_;
   ImageFetcher fetcher_;
   std::unique_ptr<LineSource> lines_;  ///< none without detectors
   StreamReader<MapDelta> deltas_;
   StreamWriter<FramePose> poses_;
   StreamWriter<KeyframeProposal> keyframes_;
+  std::unique_ptr<StreamWriter<FrameFeatures>> features_;  ///< where they are recorded
   Publisher<MapRequest> requests_;
 
   KeyframeId answered_;         ///< last keyframe whose answer was seen

@@ -27,6 +27,9 @@ int main(int argc, char** argv) {
   std::vector<std::string> overrides;
   app.add_option("--config", config, "settings file; section 'frontend' is read");
   app.add_option("--set", overrides, "one setting, over those of the file: frontend.key=value");
+  FrontendStreams streams;
+  app.add_flag("--take-features", streams.take_features,
+               "track the features that a player replays, instead of images");
   uint64_t seed = 1;
   app.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
 
@@ -37,20 +40,22 @@ int main(int argc, char** argv) {
     std::unique_ptr<Tracker> tracker;
     const auto make_tracker = [&](const Camera& camera) {
       tracker = std::make_unique<Tracker>(camera, settings, seed);
-      return TrackerCalls{[&](const ImageFrame& image, const GetLines& lines) {
-                            return tracker->Track(image, lines);
+      return TrackerCalls{[&](const ImageFrame& image) { return tracker->Extract(image); },
+                          [&](const FrameFeatures& features, const GetLines& lines) {
+                            return tracker->Track(features, lines);
                           },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },
                           [&] { return tracker->map_version(); }};
     };
+    streams.recorded = options.IsRecorded();
     std::optional<LineSourceOptions> lines;
-    if (std::find(options.required.begin(), options.required.end(), LineSource::kDetector) !=
-        options.required.end()) {
+    if (!streams.take_features && std::find(options.required.begin(), options.required.end(),
+                                            LineSource::kDetector) != options.required.end()) {
       lines = LineSourceOptions::ForPace(options.pace);
     }
     FrontendProcess frontend(process.bus, process.peers, process.status, options.required,
-                             make_tracker, lines);
+                             make_tracker, lines, streams);
     frontend.Run();
     return kExitOk;
   });

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include "core/base/stopwatch.h"
 #include "core/features/orb_extractor.h"
@@ -61,9 +62,22 @@ class Tracker::Impl {
         paper_rotation_(camera_, options_.rotation),
         rng_(seed) {}
 
-  Output Track(const ImageFrame& image, const GetLines& get_lines) {
+  FrameFeatures Extract(const ImageFrame& image) {
+    Stopwatch stopwatch;
+    const bool starting = state_ == TrackingState::kInitialising;
+    FrameFeatures features;
+    features.frame_seq = image.frame_seq;
+    features.stamp_us = image.stamp_us;
+    features.published_us = image.published_us;
+    features.decode_ms = image.decode_ms;
+    features.features = (starting ? starting_extractor_ : extractor_).Extract(image.pixels);
+    features.features_ms = stopwatch.Lap_ms();
+    return features;
+  }
+
+  Output Track(FrameFeatures features, const GetLines& get_lines) {
     Output output;
-    Frame frame = MakeFrame(image);
+    Frame frame = MakeFrame(std::move(features));
     const LineSet* lines = get_lines ? get_lines() : nullptr;
     if (lines) frame.lines = std::make_shared<const LineSet>(*lines);
     if (state_ == TrackingState::kInitialising || OnProbation()) Remember(frame);
@@ -88,18 +102,17 @@ class Tracker::Impl {
   int64_t map_version() const { return map_.version(); }
 
  private:
-  Frame MakeFrame(const ImageFrame& image) {
+  Frame MakeFrame(FrameFeatures features) {
     Stopwatch stopwatch;
     Frame frame;
-    frame.seq = image.frame_seq;
-    frame.stamp_us = image.stamp_us;
-    frame.published_us = image.published_us;
-    const bool starting = state_ == TrackingState::kInitialising;
-    frame.features = (starting ? starting_extractor_ : extractor_).Extract(image.pixels);
+    frame.seq = features.frame_seq;
+    frame.stamp_us = features.stamp_us;
+    frame.published_us = features.published_us;
+    frame.features = std::move(features.features);
     frame.grid = FeatureGrid(frame.features.keypoints, bounds_);
     frame.points.resize(frame.features.size());
-    frame.times.decode_ms = image.decode_ms;
-    frame.times.features_ms = stopwatch.Lap_ms();
+    frame.times.decode_ms = features.decode_ms;
+    frame.times.features_ms = features.features_ms + stopwatch.Lap_ms();
     return frame;
   }
 
@@ -385,8 +398,9 @@ std::optional<std::string> TrackerOptions::Validate() const {
 Tracker::Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed)
     : impl_(std::make_unique<Impl>(camera, options, seed)) {}
 Tracker::~Tracker() = default;
-Tracker::Output Tracker::Track(const ImageFrame& image, const GetLines& lines) {
-  return impl_->Track(image, lines);
+FrameFeatures Tracker::Extract(const ImageFrame& image) { return impl_->Extract(image); }
+Tracker::Output Tracker::Track(FrameFeatures features, const GetLines& lines) {
+  return impl_->Track(std::move(features), lines);
 }
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }

@@ -1,4 +1,5 @@
-// The frontend as its process sees it: images in; poses and keyframe proposals out; map deltas in.
+// The frontend as its process sees it: images, or their features, in; poses and keyframe proposals
+// out; map deltas in.
 //
 // Knows neither LCM nor time: what it does depends on its inputs and their order alone.
 #pragma once
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
@@ -36,8 +38,14 @@ class Tracker {
   Tracker(const Camera& camera, const TrackerOptions& options, uint64_t seed);
   ~Tracker();
 
-  /// `lines`: where the image's lines come from; may be empty.
-  Output Track(const ImageFrame& image, const GetLines& lines = {});
+  /// The point features of the next image: as many as the state asks for.
+  FrameFeatures Extract(const ImageFrame& image);
+
+  /// `lines`: where the image's lines come from; may be empty. `features.lines` is not looked at.
+  Output Track(FrameFeatures features, const GetLines& lines = {});
+  Output Track(const ImageFrame& image, const GetLines& lines = {}) {
+    return Track(Extract(image), lines);
+  }
 
   /// Returns false if the delta does not fit the version that the replica has: ask for a snapshot.
   bool Apply(const MapDelta& delta);

@@ -11,11 +11,17 @@ enum class CommandAction : int32_t {
   kReset = 2,       ///< frontend: drop the map, start a new one
   kSaveNow = 3,     ///< recorder: write the results so far
   kSendCamera = 4,  ///< player: repeat the camera message at once
+  kPause = 5,       ///< player: send nothing more until kResume or kStep
+  kResume = 6,      ///< player
+  kStep = 7,        ///< player: send `value` frames, then pause
+  kSetRate = 8,     ///< player: at most `value` times real time; 0 for no limit
+  kShow = 9,        ///< frontend: publish previews for some seconds
 };
 
 struct Command {
   std::string target;  ///< process name; empty: everyone whom it concerns
   CommandAction action = CommandAction::kStop;
+  double value = 0;  ///< what kStep and kSetRate need
 };
 
 }  // namespace vpslam

@@ -13,4 +13,9 @@ std::vector<std::string> RequiredConsumers(const std::vector<std::string>& consu
   return both;
 }
 
+std::vector<std::string> AndRecorderIf(bool recorded, std::vector<std::string> consumers) {
+  if (recorded) consumers.emplace_back("recorder");
+  return consumers;
+}
+
 }  // namespace vpslam

@@ -15,6 +15,7 @@ inline constexpr const char* kPoseChannel = "POSE";
 inline constexpr const char* kTruthChannel = "TRUTH";
 inline constexpr const char* kKeyframeChannel = "KEYFRAME";
 inline constexpr const char* kMapChannel = "MAP";
+inline constexpr const char* kRunChannel = "RUN";
 inline constexpr const char* kMapRequestChannel = "MAP_REQUEST";
 inline constexpr const char* kAckChannel = "ACK";
 inline constexpr const char* kCommandChannel = "COMMAND";
@@ -30,5 +31,8 @@ inline const std::vector<std::string> kMapConsumers = {"frontend", "recorder"};
 /// Those of `consumers` that are in `required`: whom a stream has to wait for in this run.
 std::vector<std::string> RequiredConsumers(const std::vector<std::string>& consumers,
                                            const std::vector<std::string>& required);
+
+/// `consumers`, and the recorder if `recorded`.
+std::vector<std::string> AndRecorderIf(bool recorded, std::vector<std::string> consumers);
 
 }  // namespace vpslam

@@ -38,7 +38,8 @@ struct Wire<ImageMessage> {
 template <>
 struct Wire<FrameFeatures> {
   using Type = features_t;
-  static constexpr std::array<int64_t, 1> kElementBytes{kKeypointBytes + kDescriptorBytes};
+  static constexpr std::array<int64_t, 3> kElementBytes{kKeypointBytes + kDescriptorBytes,
+                                                        kLineBytes, kVanishingPointBytes};
 };
 template <>
 struct Wire<LineSet> {
@@ -87,6 +88,11 @@ struct Wire<Ack> {
 template <>
 struct Wire<Command> {
   using Type = command_t;
+  static constexpr std::array<int64_t, 0> kElementBytes{};
+};
+template <>
+struct Wire<RunDescription> {
+  using Type = run_t;
   static constexpr std::array<int64_t, 0> kElementBytes{};
 };
 template <>
@@ -196,6 +202,17 @@ std::optional<Decoded<T>> Decode(std::span<const uint8_t> bytes, std::string* wh
   return std::nullopt;
 }
 
+std::optional<Header> PeekHeader(std::span<const uint8_t> bytes) {
+  if (bytes.size() < kLengthsOffset) return std::nullopt;
+  Header header;
+  header.session = ReadBigEndian<int64_t>(bytes, kFingerprintBytes);
+  header.seq = ReadBigEndian<int64_t>(bytes, kFingerprintBytes + 8);
+  header.oldest_seq = ReadBigEndian<int64_t>(bytes, kOldestSeqOffset);
+  header.stamp_us = ReadBigEndian<int64_t>(bytes, kFingerprintBytes + 24);
+  header.last = bytes[kFingerprintBytes + 32] != 0;
+  return header;
+}
+
 void SetOldestSeq(std::vector<uint8_t>* bytes, int64_t oldest_seq) {
   const auto value = static_cast<uint64_t>(oldest_seq);
   for (int i = 0; i < 8; ++i) {
@@ -218,6 +235,7 @@ VPSLAM_INSTANTIATE(MapDelta)
 VPSLAM_INSTANTIATE(MapRequest)
 VPSLAM_INSTANTIATE(Ack)
 VPSLAM_INSTANTIATE(Command)
+VPSLAM_INSTANTIATE(RunDescription)
 VPSLAM_INSTANTIATE(ProcessStatus)
 VPSLAM_INSTANTIATE(Preview)
 #undef VPSLAM_INSTANTIATE

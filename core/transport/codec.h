@@ -36,10 +36,14 @@ std::vector<uint8_t> Encode(const Header& header, const T& value);
 template <class T>
 std::optional<Decoded<T>> Decode(std::span<const uint8_t> bytes, std::string* why);
 
+/// The head of a message of any type of ours, without a look at the rest; nullopt if too short.
+std::optional<Header> PeekHeader(std::span<const uint8_t> bytes);
+
 /// Rewrites Header::oldest_seq in an encoded message, which is sent again as it is otherwise.
 void SetOldestSeq(std::vector<uint8_t>* bytes, int64_t oldest_seq);
 
 // Encode and Decode exist for: Camera, ImageMessage, FrameFeatures, LineSet, LinesRequest,
-// FramePose, Truth, KeyframeProposal, MapDelta, MapRequest, Ack, Command, ProcessStatus, Preview.
+// FramePose, Truth, KeyframeProposal, MapDelta, MapRequest, Ack, Command, RunDescription,
+// ProcessStatus, Preview.
 
 }  // namespace vpslam

@@ -20,6 +20,7 @@
 #include "lcmtypes/vpslam/map_request_t.hpp"
 #include "lcmtypes/vpslam/pose_t.hpp"
 #include "lcmtypes/vpslam/preview_t.hpp"
+#include "lcmtypes/vpslam/run_t.hpp"
 #include "lcmtypes/vpslam/status_t.hpp"
 #include "lcmtypes/vpslam/truth_t.hpp"
 
@@ -37,6 +38,7 @@ map_delta_t ToWire(const MapDelta& delta);
 map_request_t ToWire(const MapRequest& request);
 ack_t ToWire(const Ack& ack);
 command_t ToWire(const Command& command);
+run_t ToWire(const RunDescription& run);
 status_t ToWire(const ProcessStatus& status);
 preview_t ToWire(const Preview& preview);
 
@@ -52,6 +54,7 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why);
 std::optional<MapRequest> FromWire(const map_request_t& wire, std::string* why);
 std::optional<Ack> FromWire(const ack_t& wire, std::string* why);
 std::optional<Command> FromWire(const command_t& wire, std::string* why);
+std::optional<RunDescription> FromWire(const run_t& wire, std::string* why);
 std::optional<ProcessStatus> FromWire(const status_t& wire, std::string* why);
 std::optional<Preview> FromWire(const preview_t& wire, std::string* why);
 

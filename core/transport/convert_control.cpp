@@ -1,4 +1,5 @@
-// Messages that hold the graph together: acknowledgement, request for lines, command, status.
+// Messages that hold the graph together: acknowledgement, request for lines, command, run,
+// status.
 #include "core/transport/convert_parts.h"
 
 namespace vpslam {
@@ -34,11 +35,24 @@ command_t ToWire(const Command& command) {
   command_t wire{};
   wire.target = command.target;
   wire.action = static_cast<int32_t>(command.action);
+  wire.value = command.value;
   return wire;
 }
 
 std::optional<Command> FromWire(const command_t& wire, std::string* why) {
-  return Checked(Command{wire.target, static_cast<CommandAction>(wire.action)}, why);
+  return Checked(Command{wire.target, static_cast<CommandAction>(wire.action), wire.value}, why);
+}
+
+run_t ToWire(const RunDescription& run) {
+  run_t wire{};
+  wire.seed = static_cast<int64_t>(run.seed);
+  wire.commit = run.commit;
+  wire.options = run.options;
+  return wire;
+}
+
+std::optional<RunDescription> FromWire(const run_t& wire, std::string* why) {
+  return Checked(RunDescription{static_cast<uint64_t>(wire.seed), wire.commit, wire.options}, why);
 }
 
 status_t ToWire(const ProcessStatus& status) {

@@ -78,7 +78,15 @@ features_t ToWire(const FrameFeatures& features) {
   wire.num_features = features.features.size();
   wire.frame_seq = features.frame_seq;
   wire.stamp_us = features.stamp_us;
+  wire.published_us = features.published_us;
+  wire.decode_ms = features.decode_ms;
+  wire.features_ms = features.features_ms;
   CopyFeatures(features.features, &wire.keypoints, &wire.descriptors);
+  wire.has_lines = features.lines != nullptr;
+  wire.line_set = CopyLineSet(features.lines ? *features.lines : LineSet(), &wire.lines,
+                              &wire.vanishing_points);
+  wire.num_lines = static_cast<int32_t>(wire.lines.size());
+  wire.num_vanishing_points = static_cast<int32_t>(wire.vanishing_points.size());
   return wire;
 }
 
@@ -86,7 +94,17 @@ std::optional<FrameFeatures> FromWire(const features_t& wire, std::string* why) 
   FrameFeatures features;
   features.frame_seq = wire.frame_seq;
   features.stamp_us = wire.stamp_us;
+  features.published_us = wire.published_us;
+  features.decode_ms = wire.decode_ms;
+  features.features_ms = wire.features_ms;
   features.features = ReadFeatures(wire.keypoints, wire.descriptors);
+  if (wire.has_lines != 0) {
+    features.lines = std::make_shared<const LineSet>(
+        ReadLineSet(wire.line_set, wire.lines, wire.vanishing_points));
+  } else if (wire.num_lines != 0 || wire.num_vanishing_points != 0) {
+    *why = "lines where there are to be none";
+    return std::nullopt;
+  }
   return Checked(std::move(features), why);
 }
 

@@ -89,6 +89,11 @@ void AddProcessOptions(CLI::App& app, ProcessOptions* options) {
   app.add_option("--pace", options->pace, "who waits for whom; lockstep drops nothing")
       ->check(CLI::IsMember({"lockstep"}))
       ->capture_default_str();
+  app.add_option("--record", options->record,
+                 "what the recorder logs: 'features' of each frame, or 'all', with pixels; the "
+                 "same for all processes of a graph")
+      ->check(CLI::IsMember({"none", "features", "all"}))
+      ->capture_default_str();
 }
 
 Process::Process(const ProcessOptions& process_options)

@@ -29,6 +29,9 @@ struct ProcessOptions {
   /// Processes whose acknowledgements the streams of this one wait for.
   std::vector<std::string> required;
   std::string pace = "lockstep";
+  std::string record = "none";  ///< what the recorder keeps besides results: its log
+
+  bool IsRecorded() const { return record != "none"; }
 };
 
 /// "0.1.0 (commit abc1234, protocol 1)"
@@ -36,8 +39,8 @@ std::string VersionLine();
 /// git commit at configure time, or "unknown".
 std::string GitCommit();
 
-/// Adds --url, --session, --log-level, --require, --pace and --version. `options` must outlive the
-/// parsing and holds the defaults.
+/// Adds --url, --session, --log-level, --require, --pace, --record and --version. `options` must
+/// outlive the parsing and holds the defaults.
 void AddProcessOptions(CLI::App& app, ProcessOptions* options);
 
 /// One process in the graph.

@@ -10,7 +10,8 @@
 namespace vpslam {
 namespace {
 
-constexpr double kMaxLength = 1e12;      // map units
+constexpr double kMaxLength = 1e12;  // map units
+constexpr double kMaxCommandValue = 1e9;
 constexpr double kMaxPixel = 1e6;        // undistorted pixels may lie far outside the image
 constexpr double kUnitTolerance = 1e-3;  // of norms
 constexpr int kMaxOctave = 32;
@@ -147,7 +148,12 @@ Fault Validate(const ImageMessage& image) {
 Fault Validate(const FrameFeatures& features) {
   Checker check;
   check.Require(features.frame_seq >= 0, "negative frame number");
+  check.Require(IsDurationOrNotRun(features.decode_ms) && IsDurationOrNotRun(features.features_ms),
+                "time of a stage out of range");
   check.Add(ValidateFeatures(features.features));
+  if (features.lines) {
+    if (const Fault fault = Validate(*features.lines)) check.Add("lines: " + *fault);
+  }
   return check.fault();
 }
 
@@ -346,8 +352,18 @@ Fault Validate(const Command& command) {
   check.Require(command.target.empty() || IsProcessName(command.target), "alien process name");
   const auto action = static_cast<int32_t>(command.action);
   check.Require(action >= static_cast<int32_t>(CommandAction::kStop) &&
-                    action <= static_cast<int32_t>(CommandAction::kSendCamera),
+                    action <= static_cast<int32_t>(CommandAction::kShow),
                 "unknown action");
+  check.Require(command.value >= 0 && command.value <= kMaxCommandValue, "value out of range");
+  return check.fault();
+}
+
+Fault Validate(const RunDescription& run) {
+  Checker check;
+  check.Require(IsText(run.commit), "commit too long or with a zero byte");
+  check.Require(
+      run.options.size() <= kMaxOptionsLength && run.options.find('\0') == std::string::npos,
+      "options too long or with a zero byte");
   return check.fault();
 }
 

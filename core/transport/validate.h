@@ -17,6 +17,7 @@
 #include "core/messages/map_request.h"
 #include "core/messages/preview.h"
 #include "core/messages/process_status.h"
+#include "core/messages/run_description.h"
 #include "core/messages/truth.h"
 #include "core/transport/ack.h"
 #include "core/transport/codec.h"
@@ -28,6 +29,7 @@ inline constexpr int kMaxImageSide = 16384;         ///< px
 inline constexpr std::size_t kMaxFeatures = 65536;  ///< in one image; lines likewise
 inline constexpr std::size_t kMaxNameLength = 64;
 inline constexpr std::size_t kMaxTextLength = 1024;
+inline constexpr std::size_t kMaxOptionsLength = 1 << 20;  ///< they may hold a settings file
 
 using Fault = std::optional<std::string>;
 
@@ -44,6 +46,7 @@ Fault Validate(const MapDelta& delta);
 Fault Validate(const MapRequest& request);
 Fault Validate(const Ack& ack);
 Fault Validate(const Command& command);
+Fault Validate(const RunDescription& run);
 Fault Validate(const ProcessStatus& status);
 Fault Validate(const Preview& preview);
 

@@ -67,16 +67,30 @@ class FakeMapper {
 class FakeTracker {
  public:
   TrackerCalls Calls() {
-    return {[this](const ImageFrame& image, const GetLines& lines) { return Track(image, lines); },
+    return {[](const ImageFrame& image) { return Extract(image); },
+            [this](const FrameFeatures& f, const GetLines& lines) { return Track(f, lines); },
             [this](const MapDelta& delta) { return Apply(delta); }, [this] { return Finish(); },
             [this] { return version_; }};
   }
 
-  Tracker::Output Track(const ImageFrame& image, const GetLines& get_lines) {
+  /// One feature, in which the image's first pixel is kept.
+  static FrameFeatures Extract(const ImageFrame& image) {
+    FrameFeatures features;
+    features.frame_seq = image.frame_seq;
+    features.stamp_us = image.stamp_us;
+    features.published_us = image.published_us;
+    features.decode_ms = image.decode_ms;
+    features.features.keypoints.emplace_back();
+    features.features.keypoints[0].response = image.pixels.at<uint8_t>(0, 0);
+    features.features.descriptors.emplace_back();
+    return features;
+  }
+
+  Tracker::Output Track(const FrameFeatures& image, const GetLines& get_lines) {
     const LineSet* lines = get_lines();
     frames_of_lines_.push_back(lines ? lines->frame_seq : -1);
     log_.push_back(fmt::format("image {} {} with {} keyframes", image.frame_seq,
-                               image.pixels.at<uint8_t>(0, 0), replica_.size()));
+                               image.features.keypoints[0].response, replica_.size()));
     Tracker::Output output;
     FramePose pose;
     pose.frame_seq = image.frame_seq;
@@ -120,7 +134,7 @@ class FakeTracker {
   int next_id_ = 0;
 
  private:
-  KeyframeProposal Keyframe(const ImageFrame& image, KeyframeRole role) {
+  KeyframeProposal Keyframe(const FrameFeatures& image, KeyframeRole role) {
     KeyframeProposal keyframe;
     keyframe.id = KeyframeId(next_id_++);
     keyframe.role = role;

@@ -38,6 +38,7 @@ TEST(Codec, EveryMessageComesBackBitByBit) {
     ExpectRoundTrip(random, random.SomeLinesRequest());
     ExpectRoundTrip(random, random.SomeAck());
     ExpectRoundTrip(random, random.SomeCommand());
+    ExpectRoundTrip(random, random.SomeRunDescription());
     ExpectRoundTrip(random, random.Status());
     ExpectRoundTrip(random, random.SomePreview());
     if (HasFatalFailure()) return;

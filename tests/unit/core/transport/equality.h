@@ -45,9 +45,6 @@ inline bool Same(const Keypoint& a, const Keypoint& b) {
 inline bool Same(const Features& a, const Features& b) {
   return Same(a.keypoints, b.keypoints) && a.descriptors == b.descriptors;
 }
-inline bool Same(const FrameFeatures& a, const FrameFeatures& b) {
-  return a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us && Same(a.features, b.features);
-}
 inline bool Same(const LineSegment& a, const LineSegment& b) {
   return a.start_px == b.start_px && a.end_px == b.end_px && a.sigma_px == b.sigma_px &&
          a.descriptor == b.descriptor && a.has_descriptor == b.has_descriptor && a.label == b.label;
@@ -62,6 +59,15 @@ inline bool Same(const LineSet& a, const LineSet& b) {
          a.cam_from_manhattan.coeffs() == b.cam_from_manhattan.coeffs() &&
          a.covariance_rad2 == b.covariance_rad2 && a.lines_ms == b.lines_ms &&
          a.descriptors_ms == b.descriptors_ms && a.vps_ms == b.vps_ms;
+}
+inline bool Same(const FrameFeatures& a, const FrameFeatures& b) {
+  return a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us &&
+         a.published_us == b.published_us && Same(a.decode_ms, b.decode_ms) &&
+         Same(a.features_ms, b.features_ms) && Same(a.features, b.features) &&
+         !a.lines == !b.lines && (!a.lines || Same(*a.lines, *b.lines));
+}
+inline bool Same(const RunDescription& a, const RunDescription& b) {
+  return a.seed == b.seed && a.commit == b.commit && a.options == b.options;
 }
 inline bool Same(const TrackingTimes& a, const TrackingTimes& b) {
   return Same(a.decode_ms, b.decode_ms) && Same(a.transport_ms, b.transport_ms) &&
@@ -155,7 +161,7 @@ inline bool Same(const Ack& a, const Ack& b) {
          a.received == b.received && a.done == b.done;
 }
 inline bool Same(const Command& a, const Command& b) {
-  return a.target == b.target && a.action == b.action;
+  return a.target == b.target && a.action == b.action && a.value == b.value;
 }
 inline bool Same(const ProcessStatus& a, const ProcessStatus& b) {
   return a.process == b.process && a.pid == b.pid && a.protocol_version == b.protocol_version &&

@@ -88,7 +88,7 @@ class Malformed : public ::testing::Test {
 TEST_F(Malformed, Camera) { ExpectRefusesDamage(random_, random_.SomeCamera(), 0); }
 TEST_F(Malformed, InlineImage) { ExpectRefusesDamage(random_, random_.Image(true), 1); }
 TEST_F(Malformed, SharedImage) { ExpectRefusesDamage(random_, random_.Image(false), 1); }
-TEST_F(Malformed, Features) { ExpectRefusesDamage(random_, random_.SomeFrameFeatures(), 1); }
+TEST_F(Malformed, Features) { ExpectRefusesDamage(random_, random_.SomeFrameFeatures(), 3); }
 TEST_F(Malformed, Lines) { ExpectRefusesDamage(random_, random_.Lines(), 2); }
 TEST_F(Malformed, LinesRequest) { ExpectRefusesDamage(random_, random_.SomeLinesRequest(), 0); }
 TEST_F(Malformed, Pose) { ExpectRefusesDamage(random_, random_.SomeFramePose(), 0); }
@@ -97,6 +97,7 @@ TEST_F(Malformed, Keyframe) { ExpectRefusesDamage(random_, random_.Keyframe(20),
 TEST_F(Malformed, Delta) { ExpectRefusesDamage(random_, random_.Delta(10), 10); }
 TEST_F(Malformed, MapRequest) { ExpectRefusesDamage(random_, random_.SomeMapRequest(), 0); }
 TEST_F(Malformed, Ack) { ExpectRefusesDamage(random_, random_.SomeAck(), 0); }
+TEST_F(Malformed, Run) { ExpectRefusesDamage(random_, random_.SomeRunDescription(), 0); }
 TEST_F(Malformed, Command) { ExpectRefusesDamage(random_, random_.SomeCommand(), 0); }
 TEST_F(Malformed, Status) { ExpectRefusesDamage(random_, random_.Status(), 0); }
 TEST_F(Malformed, Preview) { ExpectRefusesDamage(random_, random_.SomePreview(), 1); }

@@ -81,7 +81,11 @@ class RandomMessages {
     return m;
   }
 
-  FrameFeatures SomeFrameFeatures() { return {Long(), Long(), SomeFeatures(Int(0, 30))}; }
+  FrameFeatures SomeFrameFeatures() {
+    FrameFeatures f{Long(), Long(), Long(), Time(), Time(), SomeFeatures(Int(0, 30)), nullptr};
+    if (Bool()) f.lines = std::make_shared<const LineSet>(Lines());
+    return f;
+  }
 
   LineSet Lines() {
     LineSet s;
@@ -221,7 +225,10 @@ class RandomMessages {
     a.done = a.received - Int(0, 5);
     return a;
   }
-  Command SomeCommand() { return {"player", static_cast<CommandAction>(Int(1, 4))}; }
+  Command SomeCommand() { return {"player", static_cast<CommandAction>(Int(1, 9)), Real(0, 99)}; }
+  RunDescription SomeRunDescription() {
+    return {static_cast<uint64_t>(Long()), "abc1234", "{\"preset\": \"points\"}"};
+  }
   ProcessStatus Status() {
     ProcessStatus s;
     s.process = "vpdetector-2";
