@@ -42,6 +42,7 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
       status_(status),
       required_(required),
       make_tracker_(std::move(make_tracker)),
+      always_preview_(streams.always_preview),
       camera_(bus),
       lines_(lines ? std::make_unique<LineSource>(bus, peers, *lines) : nullptr),
       deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
@@ -67,6 +68,7 @@ void FrontendProcess::Run() {
   const std::optional<Camera> camera = camera_.Wait();
   if (!camera) return;
   tracker_ = make_tracker_(*camera);
+  preview_ = std::make_unique<PreviewPublisher>(bus_, *camera, always_preview_);
   if (!CatchUp()) return;
   CheckBackend();
   status_.SetState(ProcessState::kRunning);
@@ -112,6 +114,7 @@ bool FrontendProcess::Process(const Images::Item& item) {
   Tracker::Output output = tracker_->track(features, get_lines);
   get_lines();  // not before they are there is a detector done with the image's slot
   if (bus_.interrupted()) return false;
+  OfferPreview(features, image->pixels);
   return Publish(&output, features, waits);
 }
 
@@ -120,7 +123,16 @@ bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
   Waits waits;
   waits.transport_ms = ElapsedMs(features.published_us);
   Tracker::Output output = tracker_->track(features, [&] { return features.lines.get(); });
+  OfferPreview(features, cv::Mat());
   return Publish(&output, features, waits);
+}
+
+void FrontendProcess::OfferPreview(const FrameFeatures& features, const cv::Mat& image) {
+  if (!tracker_->tracked_points) return;
+  preview_->Offer([&] {
+    return PreviewScene{features.frame_seq, features.stamp_us, image, tracker_->tracked_points(),
+                        features.lines};
+  });
 }
 
 bool FrontendProcess::Publish(Tracker::Output* output, const FrameFeatures& features,

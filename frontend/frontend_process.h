@@ -29,6 +29,7 @@
 #include "core/transport/stream_reader.h"
 #include "core/transport/stream_writer.h"
 #include "frontend/line_source.h"
+#include "frontend/preview_publisher.h"
 #include "frontend/tracker.h"
 
 namespace vpslam {
@@ -41,14 +42,17 @@ struct TrackerCalls {
   std::function<bool(const MapDelta&)> apply;
   std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
+  std::function<std::vector<Eigen::Vector2f>()> tracked_points =
+      {};  ///< for previews; may be empty
 };
 
 /// Called once, when the camera is known.
 using MakeTracker = std::function<TrackerCalls(const Camera&)>;
 
 struct FrontendStreams {
-  bool take_features = false;  ///< FEATURES, which somebody replays, instead of IMAGE
-  bool recorded = false;       ///< the recorder gets FEATURES and KEYFRAME, nothing left out
+  bool take_features = false;   ///< FEATURES, which somebody replays, instead of IMAGE
+  bool recorded = false;        ///< the recorder gets FEATURES and KEYFRAME, nothing left out
+  bool always_preview = false;  ///< PREVIEW also while nobody asks for it
 };
 
 class FrontendProcess {
@@ -77,6 +81,7 @@ class FrontendProcess {
     double transport_ms = kNotRun;
     double for_lines_ms = kNotRun;
   };
+  void OfferPreview(const FrameFeatures& features, const cv::Mat& image);
   bool Publish(Tracker::Output* output, const FrameFeatures& features, const Waits& waits);
   bool Finish();
   bool SendPoses(const std::vector<FramePose>& poses);
@@ -92,7 +97,9 @@ class FrontendProcess {
   StatusReporter& status_;
   const std::vector<std::string> required_;
   const MakeTracker make_tracker_;
+  const bool always_preview_;
   std::optional<TrackerCalls> tracker_;
+  std::unique_ptr<PreviewPublisher> preview_;  ///< when the camera is known
 
   CameraReceiver camera_;
   std::unique_ptr<Images> images_;  ///< or else

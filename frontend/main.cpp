@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   FrontendStreams streams;
   app.add_flag("--take-features", streams.take_features,
                "track the features that a player replays, instead of images");
+  app.add_flag("--preview", streams.always_preview, "publish previews without being asked");
   uint64_t seed = 1;
   app.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
 
@@ -46,7 +47,8 @@ int main(int argc, char** argv) {
                           },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },
-                          [&] { return tracker->map_version(); }};
+                          [&] { return tracker->map_version(); },
+                          [&] { return tracker->TrackedPoints(); }};
     };
     streams.recorded = options.IsRecorded();
     std::optional<LineSourceOptions> lines;

@@ -101,6 +101,16 @@ class Tracker::Impl {
 
   int64_t map_version() const { return map_.version(); }
 
+  std::vector<Eigen::Vector2f> TrackedPoints() const {
+    std::vector<Eigen::Vector2f> tracked;
+    if (!last_) return tracked;
+    for (int i = 0; i < last_->features.size(); ++i) {
+      const Keypoint& keypoint = last_->features.keypoints[i];
+      if (last_->points[i].IsValid()) tracked.emplace_back(keypoint.x_px, keypoint.y_px);
+    }
+    return tracked;
+  }
+
  private:
   Frame MakeFrame(FrameFeatures features) {
     Stopwatch stopwatch;
@@ -405,5 +415,6 @@ Tracker::Output Tracker::Track(FrameFeatures features, const GetLines& lines) {
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }
 int64_t Tracker::map_version() const { return impl_->map_version(); }
+std::vector<Eigen::Vector2f> Tracker::TrackedPoints() const { return impl_->TrackedPoints(); }
 
 }  // namespace vpslam

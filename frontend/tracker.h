@@ -55,6 +55,9 @@ class Tracker {
 
   int64_t map_version() const;
 
+  /// Where the last frame shows points of the map, in undistorted px; empty if it was not tracked.
+  std::vector<Eigen::Vector2f> TrackedPoints() const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -23,6 +23,7 @@ class DecodeAhead : public ImageSource {
   ~DecodeAhead() override;
 
   const Camera& camera() const override { return source_->camera(); }
+  bool HasFeatures() const override { return source_->HasFeatures(); }
   std::optional<SourceFrame> Next() override;
   std::optional<SE3> WorldFromCam(int64_t stamp_us) const override {
     return source_->WorldFromCam(stamp_us);

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,7 @@
 
 #include "core/geometry/camera.h"
 #include "core/geometry/se3.h"
+#include "core/messages/frame_features.h"
 
 namespace vpslam {
 
@@ -26,6 +28,7 @@ struct SourceOptions {
   double fps = 0;           ///< Hz, for sources without time stamps; 0: what the calibration says
   int width = 0;            ///< px, asked of a live camera; 0: what the calibration says
   int height = 0;
+  bool features = false;  ///< of a log: its features, even if it has images
   /// Called with one line about each thing that was skipped, from any thread.
   std::function<void(const std::string&)> tell = [](const std::string&) {};
 
@@ -42,6 +45,8 @@ struct SourceFrame {
   int64_t stamp_us = 0;
   cv::Mat grey;  ///< CV_8UC1, of the camera's size, as the lens sees it
   double decode_ms = 0;
+  /// In place of an image, from a source that HasFeatures().
+  std::shared_ptr<const FrameFeatures> features = {};
 };
 
 class ImageSource {
@@ -52,6 +57,9 @@ class ImageSource {
 
   /// True for a camera: it does not wait, and must not be read ahead.
   virtual bool IsLive() const { return false; }
+
+  /// True for a log without pixels: its frames are features and lines that were found before.
+  virtual bool HasFeatures() const { return false; }
 
   /// The next frame; nullopt at the end. Throws where going on makes no sense.
   virtual std::optional<SourceFrame> Next() = 0;

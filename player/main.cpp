@@ -31,6 +31,7 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
   });
   source_options.tell = [](const std::string& line) { spdlog::warn("{}", line); };
   play_options.required = process.options.required;
+  play_options.record = process.options.record;
 
   std::optional<TruthFile> truth;
   if (!truth_path.empty()) {
@@ -98,7 +99,7 @@ int main(int argc, char** argv) {
   app.footer("player --render sim:room --to DIR writes a simulated sequence to files instead.");
   app.add_option("sequence", sequence,
                  "folder of a sequence (TUM RGB-D, EuRoC, KITTI, ICL-NUIM, or images), video file, "
-                 "camera:0, sim:room or sim:corridor")
+                 "camera:0, log of a run, sim:room or sim:corridor")
       ->required();
   app.add_option("--source", source_options.kind, "kind of the sequence, if not the recognised one")
       ->check(CLI::IsMember(SourceKindNames()));
@@ -116,6 +117,8 @@ int main(int argc, char** argv) {
                  "px, asked of a camera; the calibration is scaled to it")
       ->check(CLI::PositiveNumber);
   app.add_option("--height", source_options.height, "px, likewise")->check(CLI::PositiveNumber);
+  app.add_flag("--features", source_options.features,
+               "of a log: play its features, even if it has images");
   app.add_option("--truth", truth_path,
                  "file to write the true poses of the played frames to, where the source has them");
   app.add_flag("--inline", play_options.inline_pixels,

@@ -1,5 +1,6 @@
 #include "player/play.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -13,12 +14,10 @@
 #include "core/messages/truth.h"
 #include "core/transport/camera_link.h"
 #include "core/transport/channels.h"
-#include "core/transport/clock.h"
-#include "core/transport/image_message.h"
-#include "core/transport/image_pool.h"
 #include "core/transport/inbox.h"
-#include "core/transport/publisher.h"
 #include "core/transport/stream_writer.h"
+#include "player/frame_sender.h"
+#include "player/play_control.h"
 
 namespace vpslam {
 namespace {
@@ -28,6 +27,7 @@ constexpr std::chrono::seconds kTellWaitingAfter{5};
 constexpr std::chrono::seconds kPatienceWithTheUnready{1};
 /// How often a wait looks at whether it still makes sense.
 constexpr std::chrono::milliseconds kLookAround{200};
+constexpr std::chrono::hours kForever{24 * 365};
 
 class Player {
  public:
@@ -39,45 +39,39 @@ class Player {
         source_(source),
         options_(options),
         stop_(stop),
-        consumers_(RequiredConsumers(kImageConsumers, options.required)),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         camera_(bus, source.camera()),
-        truth_(bus, kTruthChannel),
-        images_(bus, kImageChannel, consumers_, Lockstep()) {
-    if (!options.inline_pixels) {
-      const Camera& c = source.camera();
-      pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), kWindow + 1,
-                                          static_cast<size_t>(c.width) * c.height);
-    }
-  }
+        truths_(bus, kTruthChannel, AndRecorderIf(options.record != "none", {}), TruthWindow()),
+        frames_(MakeFrameSender(bus, source, options)) {}
 
   int64_t Run() {
     status_.SetState(ProcessState::kReady);
     if (!WaitForConsumers()) {
-      images_.SendEnd();
-      images_.WaitAllAcked(kPatienceWithTheUnready);
+      frames_->SendEnd();
+      truths_.SendEnd();
+      frames_->WaitAllAcked(kPatienceWithTheUnready);
       return 0;
     }
     status_.SetState(ProcessState::kRunning);
-    const std::exception_ptr broken = SendImages();
+    const std::exception_ptr broken = SendFrames();
     End();
     if (broken) std::rethrow_exception(broken);
     return sent_;
   }
 
  private:
-  /// One image on its way at a time: the next goes out when all consumers are done with it.
-  static constexpr int kWindow = 1;
-  static StreamWriterOptions Lockstep() {
+  static StreamWriterOptions TruthWindow() {
     StreamWriterOptions options;
-    options.window = kWindow;
+    options.window = 64;
     return options;
   }
 
   bool Stopping() {
     while (const auto command = commands_.TryTake()) {
       const Command& c = command->value;
-      stopped_ |= c.action == CommandAction::kStop && (c.target.empty() || c.target == "player");
+      if (!c.target.empty() && c.target != "player") continue;
+      stopped_ |= c.action == CommandAction::kStop;
+      if (control_.Obey(c)) TellControl();
     }
     stopped_ |= stop_ || bus_.interrupted();
     return stopped_;
@@ -100,9 +94,35 @@ class Player {
     return !Stopping();
   }
 
+  void TellControl() {
+    if (control_.paused()) {
+      status_.SetState(ProcessState::kRunning, fmt::format("paused before frame {}", sent_));
+    } else if (control_.rate() > 0) {
+      status_.SetState(ProcessState::kRunning, fmt::format("rate {:g}", control_.rate()));
+    } else {
+      status_.SetState(ProcessState::kRunning);
+    }
+  }
+
+  /// Sleeps while paused, and until the rate lets the frame out; false if it is not to go out.
+  bool WaitForControl(int64_t stamp_us) {
+    using Clock = PlayControl::Clock;
+    while (!Stopping()) {
+      const auto due = control_.Due(stamp_us, Clock::now());
+      const auto left = due ? *due - Clock::now() : Clock::duration(kLookAround);
+      if (left <= left.zero()) return true;
+      const int64_t changes = control_.changes();
+      // Not to the millisecond below: that would end in a busy loop.
+      bus_.WaitFor([&] { return Stopping() || control_.changes() != changes; },
+                   std::min(std::chrono::ceil<std::chrono::milliseconds>(left), kLookAround));
+      ThrowIfAnyoneIsGone();
+    }
+    return false;
+  }
+
   /// Sleeps until the consumers are done with all that was sent; false if interrupted.
   bool WaitUntilConsumed() {
-    while (!images_.WaitAllAcked(kLookAround)) {
+    while (!frames_->WaitAllAcked(kLookAround)) {
       if (bus_.interrupted()) return false;
       ThrowIfAnyoneIsGone();
     }
@@ -110,7 +130,7 @@ class Player {
   }
 
   /// What the source broke down with, if it did.
-  std::exception_ptr SendImages() {
+  std::exception_ptr SendFrames() {
     while (!Stopping()) {
       std::optional<SourceFrame> frame;
       try {
@@ -119,31 +139,30 @@ class Player {
         return std::current_exception();
       }
       // Before the time of publishing is taken: it is not to include the wait.
-      if (!frame || !WaitUntilConsumed() || Stopping()) break;
-      if (!SendImage(*frame)) break;
+      if (!frame || !WaitForControl(frame->stamp_us) || !WaitUntilConsumed() || Stopping()) break;
+      if (!SendFrame(*frame)) break;
     }
     return nullptr;
   }
 
-  bool SendImage(const SourceFrame& frame) {
+  bool SendFrame(const SourceFrame& frame) {
     if (const auto world_from_cam = source_.WorldFromCam(frame.stamp_us)) {
-      truth_.Publish({sent_, frame.stamp_us, *world_from_cam});
+      if (!truths_.Send({sent_, frame.stamp_us, *world_from_cam})) return false;
       options_.on_truth(frame.stamp_us, *world_from_cam);
     }
-    ImageFrame image;
-    image.frame_seq = sent_;
-    image.stamp_us = frame.stamp_us;
-    image.published_us = MonotonicMicroseconds();
-    image.decode_ms = frame.decode_ms;
-    image.pixels = frame.grey;
-    if (!images_.Send(pool_ ? pool_->Store(image) : InlineImage(image))) return false;
+    if (!frames_->Send(frame, sent_)) return false;
     ++sent_;
+    control_.Sent();
+    if (control_.paused()) TellControl();
     status_.AddProcessed();
     return true;
   }
 
   void End() {
-    if (WaitUntilConsumed() && images_.SendEnd() && WaitUntilConsumed()) return;
+    if (WaitUntilConsumed() && frames_->SendEnd() && WaitUntilConsumed() && truths_.SendEnd() &&
+        truths_.WaitAllAcked(kForever)) {
+      return;
+    }
     spdlog::warn("interrupted before the end of the sequence was acknowledged");
   }
 
@@ -153,12 +172,11 @@ class Player {
   ImageSource& source_;
   const PlayOptions options_;
   const std::atomic<bool>& stop_;
-  const std::vector<std::string> consumers_;
   Inbox<Command> commands_;
   CameraBeacon camera_;
-  Publisher<Truth> truth_;
-  StreamWriter<ImageMessage> images_;
-  std::unique_ptr<ImagePool> pool_;
+  StreamWriter<Truth> truths_;
+  std::unique_ptr<FrameSender> frames_;
+  PlayControl control_;
   int64_t sent_ = 0;
   bool stopped_ = false;
 };

@@ -1,4 +1,4 @@
-// The player's work in the graph: sends a source's images, in lockstep with those who need them.
+// The player's work in the graph: sends a source's frames, in lockstep with those who need them.
 #pragma once
 
 #include <atomic>
@@ -18,16 +18,17 @@ struct PlayOptions {
   /// Processes that have to be ready before the first frame; those of them that consume images are
   /// waited for after each.
   std::vector<std::string> required;
-  bool inline_pixels = false;  ///< in the message itself instead of shared memory
+  bool inline_pixels = false;   ///< in the message itself instead of shared memory
+  std::string record = "none";  ///< ProcessOptions::record
   /// Called with time and true world_from_cam of each frame that is sent, where the source knows
   /// it.
   std::function<void(int64_t, const SE3&)> on_truth = [](int64_t, const SE3&) {};
 };
 
-/// Sends CAMERA, TRUTH and IMAGE until the source ends, or `stop` is set, or COMMAND kStop comes;
-/// then the end-of-stream marker. Returns the number of images sent. A source that breaks down
-/// still ends the stream, then its error is thrown on. Throws PeerGoneError if a required process
-/// is gone.
+/// Sends CAMERA, TRUTH and IMAGE (or FEATURES, from a log) until the source ends, or `stop` is set,
+/// or COMMAND kStop comes; then the end-of-stream marker. Commands pause it, let it step, and limit
+/// its rate. Returns the number of frames sent. A source that breaks down still ends the stream,
+/// then its error is thrown on. Throws PeerGoneError if a required process is gone.
 int64_t Play(Bus& bus, Peers& peers, StatusReporter& status, ImageSource& source,
              const PlayOptions& options, const std::atomic<bool>& stop);
 

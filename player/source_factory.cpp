@@ -10,6 +10,7 @@
 #include "player/image_folder.h"
 #include "player/kitti_folder.h"
 #include "player/live_camera.h"
+#include "player/log_source.h"
 #include "player/sim_source.h"
 #include "player/tum_folder.h"
 #include "player/video_file.h"
@@ -35,6 +36,7 @@ constexpr std::array kSourceKinds = {
     SourceKind{"euroc", IsEurocFolder, OpenEurocFolder},
     SourceKind{"kitti", IsKittiFolder, OpenKittiFolder},
     SourceKind{"images", IsImageFolder, OpenImageFolder, true},
+    SourceKind{"log", IsMessageLog, OpenMessageLog},
     SourceKind{"video", IsVideoFile, OpenVideoFile, true},
 };
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -43,7 +44,14 @@ int Run(Process& process, const std::string& out, const RunInfo& info, bool show
     };
   }
   const ResultsFolder folder(out);
-  const bool complete = Recorder(process.bus, process.status, folder, info, progress).Run(stop);
+  std::optional<MessageLogOptions> log;
+  if (process.options.IsRecorded()) {
+    log = {folder.path() + "/log.lcm",
+           process.options.record == "all",
+           {static_cast<uint64_t>(info.seed), info.commit, info.options.dump()}};
+  }
+  const bool complete =
+      Recorder(process.bus, process.status, folder, info, progress, log).Run(stop);
   if (!complete) spdlog::warn("stopped before poses and map had ended");
   return kExitOk;
 }

@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -31,20 +33,33 @@ constexpr milliseconds kWaitForStatuses{1000};
 /// Ctrl-C in a terminal reaches all processes at once: the streams then end in good order.
 constexpr milliseconds kWaitForEndWhenStopped{1000};
 
+nlohmann::ordered_json DescribeLog(const MessageLog& log) {
+  auto channels = nlohmann::ordered_json::object();
+  for (const auto& [channel, count] : log.counts()) {
+    channels[channel] = {
+        {"messages", count.messages}, {"gaps", count.gaps}, {"bytes", count.bytes}};
+  }
+  return {{"complete", !log.error()}, {"channels", channels}};
+}
+
 }  // namespace
 
 class Recorder::Impl {
  public:
   Impl(Bus& bus, StatusReporter& status, const ResultsFolder& folder, const RunInfo& info,
-       std::function<void(const std::string&)> progress)
+       std::function<void(const std::string&)> progress,
+       const std::optional<MessageLogOptions>& log)
       : bus_(bus),
         status_(status),
         folder_(folder),
         info_(info),
         progress_(std::move(progress)),
+        log_(log ? std::make_unique<MessageLog>(bus, *log) : nullptr),
         // Acknowledged on receipt: the recorder holds up nobody.
-        poses_(bus, kPoseChannel, "recorder", AckPolicy::kOnReceipt),
-        deltas_(bus, kMapChannel, "recorder", AckPolicy::kOnReceipt),
+        poses_(bus, kPoseChannel, "recorder", AckPolicy::kOnReceipt,
+               log_ ? log_->PoseTap() : nullptr),
+        deltas_(bus, kMapChannel, "recorder", AckPolicy::kOnReceipt,
+                log_ ? log_->MapTap() : nullptr),
         statuses_(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         requests_(bus, kMapRequestChannel) {}
@@ -66,13 +81,17 @@ class Recorder::Impl {
           return OthersFinished();
         },
         kWaitForStatuses);
+    if (log_) log_->Close();
     Write();
     ShowProgress(true);
+    if (log_ && log_->error()) throw std::runtime_error(*log_->error());
     return complete;
   }
 
  private:
-  bool Ended() const { return poses_.Ended() && deltas_.Ended(); }
+  bool Ended() const {
+    return poses_.Ended() && deltas_.Ended() && (!log_ || log_->StreamsEnded());
+  }
   bool HasWork() const {
     return poses_.HasMessage() || deltas_.HasMessage() || statuses_.HasMessage() ||
            commands_.HasMessage();
@@ -132,6 +151,7 @@ class Recorder::Impl {
 
   void Write() {
     run_.Add(status_.Snapshot());
+    if (log_) info_.log = DescribeLog(*log_);
     WriteResults(run_, info_, folder_);
     spdlog::info("results of {} frames are in {}", run_.frames().size(), folder_.path());
   }
@@ -145,8 +165,9 @@ class Recorder::Impl {
   Bus& bus_;
   StatusReporter& status_;
   const ResultsFolder folder_;
-  const RunInfo info_;
+  RunInfo info_;
   const std::function<void(const std::string&)> progress_;
+  std::unique_ptr<MessageLog> log_;  // before the streams that it taps
   StreamReader<FramePose> poses_;
   StreamReader<MapDelta> deltas_;
   Inbox<ProcessStatus> statuses_;
@@ -159,8 +180,9 @@ class Recorder::Impl {
 };
 
 Recorder::Recorder(Bus& bus, StatusReporter& status, const ResultsFolder& folder,
-                   const RunInfo& info, std::function<void(const std::string&)> progress)
-    : impl_(std::make_unique<Impl>(bus, status, folder, info, std::move(progress))) {}
+                   const RunInfo& info, std::function<void(const std::string&)> progress,
+                   const std::optional<MessageLogOptions>& log)
+    : impl_(std::make_unique<Impl>(bus, status, folder, info, std::move(progress), log)) {}
 
 Recorder::~Recorder() = default;
 

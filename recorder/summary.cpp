@@ -97,20 +97,21 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
   for (int32_t i = 0; i < run.map().point_end(); ++i) points += run.map().Find(PointId(i)) ? 1 : 0;
   for (int32_t i = 0; i < run.map().line_end(); ++i) lines += run.map().Find(LineId(i)) ? 1 : 0;
 
-  return {{"frames", Frames(run)},
-          {"latency_ms", Latency(run)},
-          {"cpu_ms_per_frame", cpu},
-          {"stages_ms", StageMedians(run)},
-          {"maps", maps.size()},
-          {"keyframes", keyframes},
-          {"points", points},
-          {"lines", lines},
-          {"lines", 0},
-          {"wall_s", Rounded(run.wall_s())},
-          {"peak_rss_mb", rss},
-          {"options", info.options},
-          {"seed", info.seed},
-          {"commit", info.commit}};
+  Json summary = {{"frames", Frames(run)},
+                  {"latency_ms", Latency(run)},
+                  {"cpu_ms_per_frame", cpu},
+                  {"stages_ms", StageMedians(run)},
+                  {"maps", maps.size()},
+                  {"keyframes", keyframes},
+                  {"points", points},
+                  {"lines", lines},
+                  {"wall_s", Rounded(run.wall_s())},
+                  {"peak_rss_mb", rss},
+                  {"options", info.options},
+                  {"seed", info.seed},
+                  {"commit", info.commit}};
+  if (!info.log.is_null()) summary["log"] = info.log;
+  return summary;
 }
 
 }  // namespace vpslam

@@ -15,6 +15,7 @@ struct RunInfo {
   nlohmann::ordered_json options = nlohmann::ordered_json::object();
   int64_t seed = 0;
   std::string commit;
+  nlohmann::ordered_json log;  ///< of what was recorded: messages and gaps per channel; or null
 };
 
 /// Counts are those of all maps together; tracked frames are those that have a pose in one of the

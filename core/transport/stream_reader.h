@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -43,9 +44,14 @@ class StreamReaderCore {
 template <class T>
 class StreamReader {
  public:
+  /// Sees each message of the stream as it travelled, in order and once, with its end. False: it
+  /// is not to be queued. Called on the receive thread.
+  using Tap = std::function<bool(const Header&, std::span<const uint8_t>)>;
+
   /// `consumer` is the name by which the writer waits for this process.
-  StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy)
-      : bus_(bus), channel_(channel), core_(bus, channel, consumer, policy) {
+  StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy,
+               Tap tap = {})
+      : bus_(bus), channel_(channel), core_(bus, channel, consumer, policy), tap_(std::move(tap)) {
     registration_ = bus.Subscribe(channel, [this](std::span<const uint8_t> b) { Receive(b); });
   }
 
@@ -94,7 +100,8 @@ class StreamReader {
     const Verdict verdict = core_.Receive(message->header);
     if (verdict == Verdict::kIgnore) return;
     ended_ = verdict == Verdict::kEnd;
-    if (ended_) return;
+    const bool wanted = !tap_ || tap_(message->header, bytes);
+    if (ended_ || !wanted) return;
     const bool first = verdict == Verdict::kDeliverFirstOfSession;
     queue_.push_back({std::move(message->value), message->header, first && seen_any_});
     seen_any_ = true;
@@ -103,6 +110,7 @@ class StreamReader {
   Bus& bus_;
   const std::string channel_;
   StreamReaderCore core_;
+  const Tap tap_;
   mutable std::mutex mutex_;
   std::deque<Item> queue_;
   bool ended_ = false;

@@ -4,7 +4,8 @@ import argparse
 import sys
 
 from vpslam_tools import (bench_command, demo_command, evaluate_command, fetch_command,
-                          install_build, run_command)
+                          install_build, log_command, replay_command, run_command, spy_command,
+                          status_command)
 from vpslam_tools.errors import UserError
 
 
@@ -15,6 +16,10 @@ def build_parser():
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     demo_command.add_parser(commands)
     run_command.add_parser(commands)
+    replay_command.add_parser(commands)
+    status_command.add_parser(commands)
+    spy_command.add_parser(commands)
+    log_command.add_parser(commands)
     evaluate_command.add_parser(commands)
     bench_command.add_parser(commands)
     fetch_command.add_parser(commands)

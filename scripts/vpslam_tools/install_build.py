@@ -61,10 +61,12 @@ def missing_packages(wanted):
     return [name for name in wanted if name not in installed]
 
 
-def ensure_packages():
+def ensure_packages(wanted=None):
+    """`wanted`: default is what scripts/packages.txt lists."""
     if not shutil.which("dpkg-query"):
         return  # not Debian: CMake will say what it does not find
-    missing = missing_packages(listed_packages())
+    wanted = listed_packages() if wanted is None else wanted
+    missing = missing_packages(wanted) if wanted else []
     if not missing:
         return
     become_root = []

@@ -11,6 +11,8 @@ IN_SOURCE_TREE = (ROOT / "CMakeLists.txt").exists()
 PACKAGES = ROOT / "scripts" / "packages.txt"
 BUILD = ROOT / "build"
 CONFIG = ROOT / "config"
+LCM_TYPES = ROOT / "lcmtypes"
+SPY_PLUGIN = ROOT / "scripts" / "spy" / "PreviewPlugin.java"
 
 
 def binaries():
@@ -20,6 +22,14 @@ def binaries():
     if given:
         return pathlib.Path(given).resolve()
     return BUILD / "bin" if IN_SOURCE_TREE else ROOT.parent.parent / "bin"
+
+
+def spy_folder():
+    """Where the Java classes of the message types are built."""
+    if IN_SOURCE_TREE:
+        return BUILD / "spy"
+    cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
+    return pathlib.Path(cache) / "vpslam" / "spy"
 
 
 def has_to_build():

@@ -5,14 +5,31 @@
       vpdetector     recorder
 """
 
+import ctypes
 import json
+import os
+import pathlib
+import signal
 
 from vpslam_tools import paths, presets, sources
 
 DETECTOR = "vpdetector"
+PR_SET_PDEATHSIG = 1
 # What summary.json says of how a run was started.
 TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace",
-                *presets.options(), "detectors", "start", "frames"]
+                *presets.options(), "detectors", "start", "frames", "record"]
+
+
+def die_with_parent():
+    """For Popen's preexec_fn: the process is killed when the one that started it ends, however."""
+    parent = os.getpid()
+    libc = ctypes.CDLL(None)
+
+    def prepare():
+        libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            os._exit(1)  # it died before the line above
+    return prepare
 
 
 def detectors(options):
@@ -35,15 +52,19 @@ def command_lines(options, url, session, out):
 
     # Each stream waits for those of its consumers that are named here.
     required = ["frontend", "backend", "recorder"] + [DETECTOR] * (options.detectors > 0)
-    common = ["--url", url, "--require", ",".join(required)] + given("pace")
+    common = ["--url", url, "--require", ",".join(required)] + given("pace", "record")
     settings = [word for setting in presets.settings(options) + options.set
                 for word in ("--set", setting)]
     told = {name: getattr(options, name) for name in TOLD_OPTIONS
             if getattr(options, name) not in (None, [])}
+    if options.config:  # the file may be another one by the time that a log is replayed
+        told["settings"] = pathlib.Path(options.config).read_text(errors="replace")
+    from_features = getattr(options, "from_features", False)
     arguments = {
         "player": [options.sequence, "--session", session, "--truth", str(out / "truth.txt")]
-        + given(*sources.OPTIONS, "start", "frames"),
-        "frontend": given("config", "seed") + settings,
+        + given(*sources.OPTIONS, "start", "frames") + ["--features"] * from_features,
+        "frontend": given("config", "seed") + settings + ["--preview"] * options.preview
+        + ["--take-features"] * from_features,
         "backend": given("config") + settings,
         "recorder": ["--out", str(out), "--progress", "--options", json.dumps(told)]
         + given("seed"),

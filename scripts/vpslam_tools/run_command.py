@@ -13,11 +13,13 @@ from vpslam_tools import install_build, multicast, presets, processes, registry,
 from vpslam_tools.errors import UserError
 from vpslam_tools.evaluate_command import evaluate_files
 from vpslam_tools.guardian import Guardian
+from vpslam_tools.keyboard import Keyboard
 from vpslam_tools.progress import Progress
 from vpslam_tools.supervisor import Supervisor
 
 LOG_LINES_TOLD = 6
 INTERRUPTED = 130
+PACES = ["lockstep"]
 
 
 def at_least(smallest):
@@ -40,7 +42,7 @@ def add_parser(commands):
     parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
     parser.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[],
                         help="one setting, over those of the file; may be repeated")
-    parser.add_argument("--pace", choices=["lockstep"], default="lockstep",
+    parser.add_argument("--pace", choices=PACES, default="lockstep",
                         help="lockstep (default): nothing is dropped, results repeat exactly")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
@@ -50,17 +52,31 @@ def add_parser(commands):
     parser.add_argument("--detectors", type=at_least(0), metavar="N",
                         help="processes that find lines and vanishing points, which share the "
                         "images (default: 1, without lines and vanishing points 0)")
+    parser.add_argument("--record", choices=["none", "features", "all"], default="none",
+                        help="log the run's messages in DIR/log.lcm, for `vpslam replay`: features "
+                        "(all but pixels), all (with pixels)")
+    add_graph_arguments(parser)
+    parser.set_defaults(function=run)
+
+
+def add_graph_arguments(parser):
+    """Those that `replay` has as well."""
+    parser.add_argument("--preview", action="store_true",
+                        help="publish PREVIEW all the time, not only while `vpslam spy` runs")
     parser.add_argument("--url", metavar="URL", help="LCM URL; default: one with a free port")
     parser.add_argument("--session", type=at_least(1), metavar="N",
                         help="id of the run, in the player's messages and the name of its shared "
                         "memory; default: a random one")
-    parser.set_defaults(function=run)
 
 
 def run(args):
     check_input(args)
     if args.detectors is None:
         args.detectors = presets.detectors(args)
+    return run_graph(args)
+
+
+def run_graph(args):
     install_build.prepare()
     registry.sweep()
     url = args.url or multicast.free_url()
@@ -80,7 +96,7 @@ def run(args):
     commands = processes.command_lines(args, url, session, out)
     progress = Progress()
     progress.tell(f"LCM URL  {url}")
-    supervisor = launch(run_record, commands, processes.detectors(args), logs, progress)
+    supervisor = launch(run_record, commands, processes.detectors(args), logs, progress, url)
     return conclude(supervisor, args, out, progress)
 
 
@@ -117,11 +133,17 @@ def make_default_out(sequence):
             raise cannot_be_made(path, error) from None
 
 
-def launch(run_record, commands, detectors, logs, progress):
+def launch(run_record, commands, detectors, logs, progress, url):
     registry.write(run_record)
     guardian = Guardian(run_record["session"])
     order = list(commands)
-    supervisor = Supervisor(order, progress.show, sharing=detectors, tell=progress.tell)
+
+    def register(name, pid):
+        run_record["processes"][name] = registry.identify(pid) or {"pid": pid, "start": 0}
+        registry.write(run_record)
+
+    supervisor = Supervisor(order, progress.show, sharing=detectors, tell=progress.tell,
+                            restartable=[*detectors, "frontend"], on_restart=register)
     try:
         for name in reversed(order):
             try:
@@ -129,9 +151,9 @@ def launch(run_record, commands, detectors, logs, progress):
             except OSError as error:
                 raise UserError(f"{commands[name][0]}: cannot be started ({error.strerror}); "
                                 "build it with `scripts/vpslam build`") from None
-            run_record["processes"][name] = registry.identify(pid) or {"pid": pid, "start": 0}
-            registry.write(run_record)
-        supervisor.run()
+            register(name, pid)
+        with Keyboard(url, supervisor, progress):
+            supervisor.run()
     finally:
         supervisor.stop()
         registry.clean_up(run_record)

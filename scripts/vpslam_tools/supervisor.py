@@ -1,16 +1,21 @@
 """Starts the processes of a graph, watches them, and lets none outlive the launcher.
 
+A process that crashed (was killed by a signal) is started again where the run can go on with it;
+restarts.py says how often.
+
 The end is a cascade: the player ends with its sequence (or on SIGINT), and each process downstream
 ends when it has worked off what the one before it sent. The supervisor only waits; it steps in
 where a process fails, ends before its time, or does not end.
 """
 
-import ctypes
 import os
 import selectors
 import signal
 import subprocess
 import time
+
+from vpslam_tools.processes import die_with_parent
+from vpslam_tools.restarts import LIMIT, Restarts
 
 DRAIN_S = 120.0      # from the player's end to the last process's
 INTERRUPT_S = 30.0   # from Ctrl-C to the player's end
@@ -19,27 +24,18 @@ OUT_OF_TURN_S = 5.0  # a process that ended, before the one upstream of it
 TERMINATE_S = 5.0    # from SIGTERM to SIGKILL
 RECORDER_S = 30.0    # the same for the recorder, which still writes the results
 TICK_S = 0.5         # how often the limits above are looked at
-PR_SET_PDEATHSIG = 1
 
 
 class Child:
-    def __init__(self, name, command, log_path, pipe_output):
+    def __init__(self, name, command, log_path, pipe_output, again=False):
         self.name, self.log_path = name, log_path
         self.ended_at = None
-        launcher = os.getpid()
-        libc = ctypes.CDLL(None)
-
-        def die_with_launcher():
-            libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-            if os.getppid() != launcher:
-                os._exit(1)  # it died before the line above
-
-        with open(log_path, "wb") as log:
+        with open(log_path, "ab" if again else "wb") as log:
             # A session of its own: Ctrl-C on the terminal reaches the launcher alone.
             self.popen = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stderr=log,
                 stdout=subprocess.PIPE if pipe_output else log,
-                start_new_session=True, preexec_fn=die_with_launcher)
+                start_new_session=True, preexec_fn=die_with_parent())
 
     def is_running(self):
         """Also notes the time of the end when it is first seen."""
@@ -62,20 +58,29 @@ class Child:
             return f"was killed by {signal.Signals(-self.popen.returncode).name}"
         return f"failed with exit code {self.popen.returncode}"
 
+    def crashed(self):
+        """It had no time to say why it ended."""
+        return not self.is_running() and self.popen.returncode < 0
+
 
 class Supervisor:
     """`order`: names from the source downstream; the first ends by itself, the last writes the
     results. `on_output` gets each line that the last one prints, and returns true once frames
     come through. Those in `sharing` do the same work: as long as one of them runs, the loss of
-    another is only told (`tell` gets a line)."""
+    another is only told (`tell` gets a line). Those in `restartable` are started again after a
+    crash; `on_restart` gets name and new process id."""
 
-    def __init__(self, order, on_output, sharing=(), tell=print):
-        self.order, self.on_output = order, on_output
+    def __init__(self, order, on_output, sharing=(), tell=print, restartable=(),
+                 on_restart=lambda name, pid: None):
+        self.order, self.on_output, self.on_restart = order, on_output, on_restart
+        self._restarts = Restarts(restartable)
+        self._commands = {}
         self.sharing, self.tell = list(sharing), tell
         self.children = {}
         self.interrupts = 0
         self.faults = {}  # name of the process: what is wrong with it
         self._lost = set()  # of those in `sharing`
+        self._told = set()  # crashes, by their time
         self._frames_come = False
         self._selector = selectors.DefaultSelector()
         self._unfinished_line = b""
@@ -95,10 +100,18 @@ class Supervisor:
         is_last = name == self.order[-1]
         child = Child(name, command, log_path, pipe_output=is_last)
         self.children[name] = child
+        self._commands[name] = command
         if is_last:
             os.set_blocking(child.popen.stdout.fileno(), False)
             self._selector.register(child.popen.stdout, selectors.EVENT_READ, self._on_pipe)
         return child.popen.pid
+
+    def watch(self, stream, on_input):
+        """`on_input` is called whenever `stream` can be read, while run() waits."""
+        self._selector.register(stream, selectors.EVENT_READ, on_input)
+
+    def unwatch(self, stream):
+        self._selector.unregister(stream)
 
     def run(self):
         """Returns when no process is left; `faults` and `interrupts` say how it went."""
@@ -113,7 +126,8 @@ class Supervisor:
             if deadline is not None and time.monotonic() > deadline:
                 self.faults[self._needed()[0].name] = "did not end in time"
                 break
-            self._wait(TICK_S)
+            self._start_again()
+            self._wait(self._restarts.wait_s(TICK_S))
         if self._frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S
@@ -162,9 +176,34 @@ class Supervisor:
             if (fault is None and upstream
                     and time.monotonic() > child.ended_at + OUT_OF_TURN_S):
                 fault = f"ended while {upstream[0].name} was still running"
+            if fault and self._get_back(name, fault):
+                continue
+            if fault and self._restarts.count(name) == LIMIT:
+                fault += ", again and again"
             if fault and not self._can_do_without(name, fault):
                 self.faults[name] = fault
         return self.faults
+
+    def _get_back(self, name, fault):
+        """Plans to start it again, if that makes sense: as long as there is something to come."""
+        child = self.children[name]
+        player = self.children[self.order[0]]
+        if not child.crashed() or not player.is_running() or self.interrupts:
+            return False
+        if not self._restarts.plan(name):
+            return False
+        if child.ended_at not in self._told:
+            self._told.add(child.ended_at)
+            self.tell(f"{name} {fault}; it is started again "
+                      f"({self._restarts.count(name)} of at most {LIMIT} times a minute)")
+        return True
+
+    def _start_again(self):
+        for name in self._restarts.due():
+            log_path = self.children[name].log_path
+            self.children[name] = Child(name, self._commands[name], log_path, pipe_output=False,
+                                        again=True)
+            self.on_restart(name, self.children[name].popen.pid)
 
     def _can_do_without(self, name, fault):
         others = [other for other in self.sharing

@@ -4,7 +4,7 @@
 Each waits for a file that the one upstream leaves in its working directory when it ends. The
 environment variable FAKE_<NAME> makes one misbehave: "fail" (after it printed a line), "hang"
 (ignores SIGTERM and never ends), "early" (ends well, before its turn), "break" (player: ends its
-stream, but fails).
+stream, but fails), "crash" (is killed by a signal as soon as it has begun).
 """
 
 import os
@@ -38,6 +38,8 @@ if MISBEHAVIOUR == "fail":
         time.sleep(0.02)
     print("cannot read the stars; clean the lens", file=sys.stderr, flush=True)
     sys.exit(3)
+if MISBEHAVIOUR == "crash":
+    os.kill(os.getpid(), signal.SIGKILL)
 if MISBEHAVIOUR == "early":
     sys.exit(0)
 

@@ -178,7 +178,7 @@ class FailingProcess(LauncherTest):
         self.assert_nothing_left()
 
     def test_killed_process(self):
-        for name in NAMES:
+        for name in ("player", "backend", "recorder"):
             with self.subTest(name):
                 out = self.folder / f"{name}_killed"
                 process = self.start("run", "room", "--out", str(out), FAKE_SECONDS="300")
@@ -191,6 +191,38 @@ class FailingProcess(LauncherTest):
                 self.assert_nothing_left()
                 for done in self.folder.glob("*.done"):
                     done.unlink()
+
+    def test_killed_frontend_is_started_again(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300")
+        run = self.wait_until_running()
+        first = run["processes"]["frontend"]["pid"]
+        os.kill(first, signal.SIGKILL)
+        line = process.stdout.readline()
+        while line and "started again" not in line:
+            line = process.stdout.readline()
+        self.assertIn("frontend was killed by SIGKILL; it is started again (1 of", line)
+        deadline = time.monotonic() + PATIENCE_S
+        while run["processes"]["frontend"]["pid"] == first and time.monotonic() < deadline:
+            run = self.wait_until_running()
+        self.assertNotEqual(run["processes"]["frontend"]["pid"], first)
+        log = self.folder / "out" / "logs" / "frontend.log"
+        while log.read_text().count("begins") < 2 and time.monotonic() < deadline:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        status, output = self.finish(process)
+        self.assertEqual(status, 0, output)
+        self.assertEqual(log.read_text().count("begins"), 2, "what it said before is kept")
+        self.assert_nothing_left()
+
+    def test_what_crashes_again_and_again_ends_the_run(self):
+        status, output = self.finish(self.start(
+            "run", "room", "--out", "out", FAKE_SECONDS="300", FAKE_FRONTEND="crash",
+            patch="from vpslam_tools import restarts; restarts.DELAYS_S = [0.05]"))
+        self.assertEqual(status, 1)
+        self.assertIn("(3 of at most 3 times a minute)", output)
+        self.assertIn("frontend was killed by SIGKILL, again and again; ", output)
+        self.assertTrue((self.folder / "out" / "summary.json").exists(), "the recorder lives")
+        self.assert_nothing_left()
 
     def test_source_that_breaks_down_is_worked_off(self):
         status, output = self.finish(self.start("run", "room", "--out", "out",
@@ -229,8 +261,9 @@ class FailingProcess(LauncherTest):
 class Detectors(LauncherTest):
     DETECTORS = ["vpdetector1", "vpdetector2"]
 
-    def start_two(self):
-        process = self.start("run", "room", "--out", "out", "--detectors", "2", FAKE_SECONDS="300")
+    def start_two(self, patch=""):
+        process = self.start("run", "room", "--out", "out", "--detectors", "2", FAKE_SECONDS="300",
+                             patch=patch)
         return process, self.wait_until_running(WITHOUT_DETECTORS + self.DETECTORS)
 
     def test_none_where_there_is_nothing_for_them_to_do(self):
@@ -247,26 +280,43 @@ class Detectors(LauncherTest):
                 for done in self.folder.glob("*.done"):
                     done.unlink()
 
-    def test_the_loss_of_one_is_told(self):
+    NO_RESTARTS = "from vpslam_tools import restarts; restarts.LIMIT = supervisor.LIMIT = 0"
+
+    def test_a_killed_one_is_started_again(self):
         process, run = self.start_two()
+        first = run["processes"]["vpdetector2"]["pid"]
+        os.kill(first, signal.SIGKILL)
+        line = process.stdout.readline()
+        while line and "vpdetector2" not in line:
+            line = process.stdout.readline()
+        self.assertIn("vpdetector2 was killed by SIGKILL; it is started again", line)
+        deadline = time.monotonic() + PATIENCE_S
+        while run["processes"]["vpdetector2"]["pid"] == first and time.monotonic() < deadline:
+            run = self.wait_until_running(WITHOUT_DETECTORS + self.DETECTORS)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(self.finish(process)[0], 0)
+        self.assert_nothing_left()
+
+    def test_the_loss_of_one_is_told(self):
+        process, run = self.start_two(self.NO_RESTARTS)
         os.kill(run["processes"]["vpdetector2"]["pid"], signal.SIGKILL)
         line = process.stdout.readline()
         while line and "vpdetector2" not in line:
             line = process.stdout.readline()
-        self.assertEqual(line.strip(), "vpdetector2 was killed by SIGKILL; the run goes on with "
-                                       "vpdetector1")
+        self.assertEqual(line.strip(), "vpdetector2 was killed by SIGKILL, again and again; the "
+                                       "run goes on with vpdetector1")
         process.send_signal(signal.SIGINT)
         status, output = self.finish(process)
         self.assertEqual(status, 0, output)
         self.assert_nothing_left()
 
     def test_the_loss_of_all_is_a_failure(self):
-        process, run = self.start_two()
+        process, run = self.start_two(self.NO_RESTARTS)
         for name in self.DETECTORS:
             os.kill(run["processes"][name]["pid"], signal.SIGKILL)
         status, output = self.finish(process)
         self.assertEqual(status, 1)
-        self.assertRegex(output, r"vpdetector\d was killed by SIGKILL; .*vpdetector\d.log ends")
+        self.assertRegex(output, r"vpdetector\d was killed by SIGKILL, again and again; .*vpdetector\d.log ends")
         self.assertTrue((self.folder / "out" / "summary.json").exists())
         self.assert_nothing_left()
 

@@ -1,0 +1,43 @@
+#include "console/status_line.h"
+
+#include <nlohmann/json.hpp>
+
+namespace vpslam {
+
+std::string StateName(ProcessState state) {
+  switch (state) {
+    case ProcessState::kStarting:
+      return "starting";
+    case ProcessState::kReady:
+      return "ready";
+    case ProcessState::kRunning:
+      return "running";
+    case ProcessState::kFinished:
+      return "finished";
+    case ProcessState::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+std::string StatusLine(int64_t session, const ProcessStatus& s) {
+  const nlohmann::ordered_json json = {{"process", s.process},
+                                       {"session", std::to_string(session)},
+                                       {"pid", s.pid},
+                                       {"protocol_version", s.protocol_version},
+                                       {"state", StateName(s.state)},
+                                       {"rate_hz", s.rate_hz},
+                                       {"processed", s.processed},
+                                       {"queued", s.queued},
+                                       {"dropped", s.dropped},
+                                       {"gaps", s.gaps},
+                                       {"rejected", s.rejected},
+                                       {"resent", s.resent},
+                                       {"cpu_s", s.cpu_s},
+                                       {"rss_peak_mb", s.rss_peak_mb},
+                                       {"message", s.message}};
+  // Anybody may have sent it: bytes that are no UTF-8 are replaced.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace vpslam

@@ -1,0 +1,277 @@
+#include "recorder/message_log.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "core/messages/command.h"
+#include "core/messages/frame_features.h"
+#include "core/messages/keyframe_proposal.h"
+#include "core/messages/truth.h"
+#include "core/transport/channels.h"
+#include "core/transport/clock.h"
+#include "core/transport/codec.h"
+#include "core/transport/event_log.h"
+#include "core/transport/image_message.h"
+#include "core/transport/image_pool.h"
+#include "core/transport/publisher.h"
+#include "core/transport/sequence_watch.h"
+
+namespace vpslam {
+namespace {
+
+constexpr const char* kName = "recorder";
+constexpr std::chrono::seconds kAskForCameraEvery{1};
+
+using Bytes = std::vector<uint8_t>;
+
+/// Senders count on these per stream, or from several places, so numbers that are missing there
+/// mean nothing.
+bool HasSequence(const std::string& channel) {
+  return channel != kAckChannel && channel != kCommandChannel;
+}
+
+}  // namespace
+
+class MessageLog::Impl {
+ public:
+  Impl(Bus& bus, const MessageLogOptions& options)
+      : bus_(bus), options_(options), file_(options.path), camera_requests_(bus, kCommandChannel) {
+    for (const char* channel :
+         {kCameraChannel, kLinesChannel, kLinesRequestChannel, kMapRequestChannel, kAckChannel,
+          kCommandChannel, kStatusChannel, kPreviewChannel}) {
+      registrations_.push_back(
+          bus.Subscribe(channel, [this, channel](std::span<const uint8_t> bytes) {
+            Add({RealtimeMicroseconds(), channel, Bytes(bytes.begin(), bytes.end()), {}});
+          }));
+    }
+    truths_ = std::make_unique<StreamReader<Truth>>(bus, kTruthChannel, kName,
+                                                    AckPolicy::kOnReceipt, Tap(kTruthChannel));
+    keyframes_ = std::make_unique<StreamReader<KeyframeProposal>>(
+        bus, kKeyframeChannel, kName, AckPolicy::kOnReceipt, Tap(kKeyframeChannel));
+    features_ = std::make_unique<StreamReader<FrameFeatures>>(
+        bus, kFeaturesChannel, kName, AckPolicy::kWhenDone,
+        [this](const Header& header, std::span<const uint8_t> bytes) {
+          Add({RealtimeMicroseconds(), kFeaturesChannel, Bytes(bytes.begin(), bytes.end()),
+               [this, header] { features_->Done(header); }});
+          return false;
+        });
+    if (options.pixels) SubscribeToImages();
+    timer_ = bus.OnTick([this] { Tick(); });
+    thread_ = std::thread([this] { RunWriter(); });  // when all that it uses is there
+  }
+
+  ~Impl() { Close(); }
+
+  template <class T = FramePose>
+  typename StreamReader<T>::Tap Tap(const char* channel, bool wanted = false) {
+    return [this, channel, wanted](const Header&, std::span<const uint8_t> bytes) {
+      Add({RealtimeMicroseconds(), channel, Bytes(bytes.begin(), bytes.end()), {}});
+      return wanted;
+    };
+  }
+
+  bool StreamsEnded() const {
+    return truths_->Ended() && keyframes_->Ended() && features_->Ended() &&
+           (!images_ || images_->Ended());
+  }
+
+  void Close() {
+    timer_.Cancel();
+    registrations_.clear();
+    {
+      const std::lock_guard lock(mutex_);
+      closing_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  std::optional<std::string> error() const {
+    const std::lock_guard lock(mutex_);
+    return error_;
+  }
+  std::map<std::string, Count> counts() const {
+    const std::lock_guard lock(mutex_);
+    return counts_;
+  }
+  const std::string& path() const { return options_.path; }
+
+ private:
+  struct Entry {
+    int64_t stamp_us = 0;
+    std::string channel;
+    Bytes bytes;
+    std::function<void()> done;  ///< to be called when it is in the file; may be empty
+    std::optional<Decoded<ImageMessage>> image;  ///< whose pixels still lie in shared memory
+  };
+
+  void SubscribeToImages() {
+    images_ = std::make_unique<StreamReader<ImageMessage>>(
+        bus_, kImageChannel, kName, AckPolicy::kWhenDone,
+        [this](const Header& header, std::span<const uint8_t> bytes) {
+          Entry entry{RealtimeMicroseconds(), kImageChannel, {}, {}, {}};
+          entry.done = [this, header] { images_->Done(header); };
+          std::string why;
+          auto image = Decode<ImageMessage>(bytes, &why);
+          if (image && !header.last && !image->value.segment.empty()) {
+            entry.image = std::move(image);
+          } else {
+            entry.bytes.assign(bytes.begin(), bytes.end());
+          }
+          Add(std::move(entry));
+          return false;
+        });
+  }
+
+  void Add(Entry entry) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (closing_) return;
+      queue_.push_back(std::move(entry));
+    }
+    changed_.notify_all();
+  }
+
+  void Tick() {
+    const auto now = std::chrono::steady_clock::now();
+    {
+      const std::lock_guard lock(mutex_);
+      if (begun_ || now < asked_ + kAskForCameraEvery) return;
+      asked_ = now;
+    }
+    camera_requests_.Publish({"player", CommandAction::kSendCamera});
+  }
+
+  // ---- The writer's thread ----
+
+  void RunWriter() {
+    std::list<Entry> before_camera;
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [this] { return closing_ || !queue_.empty(); });
+      if (queue_.empty()) break;
+      Entry entry = std::move(queue_.front());
+      queue_.pop_front();
+      const bool begins = !begun_ && entry.channel == kCameraChannel;
+      begun_ = begun_ || begins;
+      const bool hold = !begun_;
+      lock.unlock();
+      if (hold) {
+        before_camera.push_back(std::move(entry));
+      } else {
+        Write(std::move(entry));
+        if (begins) {
+          WriteRun();
+          WriteAll(&before_camera);
+        }
+      }
+      lock.lock();
+    }
+    lock.unlock();
+    if (!before_camera.empty()) WriteRun();
+    WriteAll(&before_camera);
+    Guard([this] { file_.Flush(); });
+  }
+
+  void WriteAll(std::list<Entry>* entries) {
+    for (Entry& entry : *entries) Write(std::move(entry));
+    entries->clear();
+  }
+
+  void WriteRun() {
+    Header header;
+    header.session = bus_.session();
+    header.stamp_us = RealtimeMicroseconds();
+    Write({header.stamp_us, kRunChannel, Encode(header, options_.run), {}, {}});
+  }
+
+  void Write(Entry entry) {
+    if (entry.image && !Inline(&entry)) return;
+    Guard([&] { file_.Write(entry.stamp_us, entry.channel, entry.bytes); });
+    if (entry.done) entry.done();
+    const auto header = PeekHeader(entry.bytes);
+    const int64_t missed =
+        header && HasSequence(entry.channel) ? watches_[entry.channel].See(*header).missed : 0;
+    const std::lock_guard lock(mutex_);
+    if (error_) return;
+    Count& count = counts_[entry.channel];
+    ++count.messages;
+    count.bytes += static_cast<int64_t>(entry.bytes.size());
+    count.gaps += missed;
+  }
+
+  /// Puts the pixels into the message; false if they are gone, and with them the image.
+  bool Inline(Entry* entry) {
+    std::string why;
+    const auto frame = fetcher_.Fetch(entry->image->value, &why);
+    if (frame) {
+      entry->bytes = Encode(entry->image->header, InlineImage(*frame));
+      return true;
+    }
+    spdlog::warn("frame {} is missing in the log: {}", entry->image->value.frame_seq, why);
+    if (entry->done) entry->done();
+    return false;
+  }
+
+  /// A log that cannot be written is given up, once; the run is worth more.
+  void Guard(const std::function<void()>& write) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (error_) return;
+    }
+    try {
+      write();
+    } catch (const std::exception& e) {
+      spdlog::error("{}; the log ends here", e.what());
+      const std::lock_guard lock(mutex_);
+      error_ = e.what();
+    }
+  }
+
+  Bus& bus_;
+  const MessageLogOptions options_;
+  EventLogWriter file_;                           // of the writer's thread, as
+  ImageFetcher fetcher_;                          // this
+  std::map<std::string, SequenceWatch> watches_;  // and this
+  Publisher<Command> camera_requests_;
+
+  mutable std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
+  std::deque<Entry> queue_;
+  bool closing_ = false;
+  bool begun_ = false;  // the camera has come
+  std::optional<std::string> error_;
+  std::map<std::string, Count> counts_;
+  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+
+  std::thread thread_;
+  std::unique_ptr<StreamReader<Truth>> truths_;
+  std::unique_ptr<StreamReader<KeyframeProposal>> keyframes_;
+  std::unique_ptr<StreamReader<FrameFeatures>> features_;
+  std::unique_ptr<StreamReader<ImageMessage>> images_;
+  std::vector<Bus::Registration> registrations_;
+  Bus::Registration timer_;
+};
+
+MessageLog::MessageLog(Bus& bus, const MessageLogOptions& options)
+    : impl_(std::make_unique<Impl>(bus, options)) {}
+MessageLog::~MessageLog() = default;
+StreamReader<FramePose>::Tap MessageLog::PoseTap() { return impl_->Tap(kPoseChannel, true); }
+StreamReader<MapDelta>::Tap MessageLog::MapTap() { return impl_->Tap(kMapChannel, true); }
+bool MessageLog::StreamsEnded() const { return impl_->StreamsEnded(); }
+void MessageLog::Close() { impl_->Close(); }
+std::optional<std::string> MessageLog::error() const { return impl_->error(); }
+std::map<std::string, MessageLog::Count> MessageLog::counts() const { return impl_->counts(); }
+const std::string& MessageLog::path() const { return impl_->path(); }
+
+}  // namespace vpslam
