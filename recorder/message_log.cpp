@@ -111,8 +111,8 @@ class MessageLog::Impl {
     int64_t stamp_us = 0;
     std::string channel;
     Bytes bytes;
-    std::function<void()> done;  ///< to be called when it is in the file; may be empty
-    std::optional<Decoded<ImageMessage>> image;  ///< whose pixels still lie in shared memory
+    std::function<void()> done = {};  ///< to be called when it is in the file; may be empty
+    std::optional<Decoded<ImageMessage>> image = {};  ///< whose pixels still lie in shared memory
   };
 
   void SubscribeToImages() {

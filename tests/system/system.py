@@ -49,11 +49,11 @@ class SystemTest(unittest.TestCase):
         self.tag = uuid.uuid4().hex
         self.sessions = []  # of the runs that this test starts
 
-    def start(self, *arguments, **environment):
+    def start(self, *arguments, command="run", **environment):
         self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
         arguments += ("--session", self.sessions[-1])
         return subprocess.Popen(
-            self.network + [VPSLAM, "run", *map(str, arguments)], cwd=self.folder, text=True,
+            self.network + [VPSLAM, command, *map(str, arguments)], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
             env=dict(os.environ, TAG=self.tag, XDG_RUNTIME_DIR=str(self.folder / "runtime"),
                      **environment))
@@ -64,6 +64,27 @@ class SystemTest(unittest.TestCase):
 
     def run_to_end(self, *arguments, **environment):
         return self.finish(self.start(*arguments, **environment))
+
+    def inside(self, run, *command):
+        """Runs a command in the network of a run and returns what it prints."""
+        entrance = ["nsenter", "--user", "--net", "--preserve-credentials", "--target",
+                    str(run["launcher"]["pid"])] if self.network else []
+        done = subprocess.run(
+            [*entrance, *map(str, command)], capture_output=True, text=True, cwd=self.folder,
+            env=dict(os.environ, XDG_RUNTIME_DIR=str(self.folder / "runtime")), timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def start_and_wait_for_frames(self, *arguments, names=NAMES):
+        """The run's process, and the run as it is registered."""
+        process = self.start(*arguments)
+        self.wait_until(lambda: self.running(names), "start")
+        # Whatever the launcher prints next means that frames come through.
+        line = process.stdout.readline()
+        while line and not line.startswith("frame"):
+            line = process.stdout.readline()
+        self.assertTrue(line, "the run ended before any frame came through")
+        return process, self.running(names)
 
     def evaluate(self, out, truth_folder, *arguments, truth="groundtruth.txt"):
         done = subprocess.run(

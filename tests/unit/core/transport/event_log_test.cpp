@@ -1,0 +1,80 @@
+#include "core/transport/event_log.h"
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace vpslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class EventLog : public ::testing::Test {
+ protected:
+  EventLog() : path_(fs::temp_directory_path() / fmt::format("vpslam_event_log_{}", getpid())) {}
+  ~EventLog() override { fs::remove_all(path_); }
+
+  void Write(int events) {
+    EventLogWriter log(path_.string());
+    for (int i = 0; i < events; ++i) {
+      log.Write(1000 + i, i % 2 ? "ODD" : "EVEN", std::vector<uint8_t>(i, static_cast<uint8_t>(i)));
+    }
+    log.Flush();
+  }
+
+  const fs::path path_;
+};
+
+TEST_F(EventLog, GivesBackWhatWasWritten) {
+  Write(300);
+  EXPECT_TRUE(IsEventLog(path_.string()));
+  EventLogReader log(path_.string());
+  for (int i = 0; i < 300; ++i) {
+    const auto event = log.Next();
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->stamp_us, 1000 + i);
+    EXPECT_EQ(event->channel, i % 2 ? "ODD" : "EVEN");
+    EXPECT_EQ(event->bytes, std::vector<uint8_t>(i, static_cast<uint8_t>(i)));
+  }
+  EXPECT_FALSE(log.Next());
+}
+
+TEST_F(EventLog, EndsBeforeAnEventThatWasCutOff) {
+  Write(20);
+  for (const int cut : {1, 10, 30}) {
+    fs::resize_file(path_, fs::file_size(path_) - cut);
+    EventLogReader log(path_.string());
+    int events = 0;
+    while (log.Next()) ++events;
+    EXPECT_GE(events, 17);
+    EXPECT_LT(events, 20);
+  }
+}
+
+TEST_F(EventLog, RefusesWhatIsNoLog) {
+  EXPECT_FALSE(IsEventLog("/nowhere/log.lcm"));
+  EXPECT_THROW(EventLogReader("/nowhere/log.lcm"), std::runtime_error);
+  EXPECT_THROW(EventLogWriter("/nowhere/log.lcm"), std::runtime_error);
+  std::ofstream(path_) << "# timestamp tx ty tz";
+  EXPECT_FALSE(IsEventLog(path_.string()));
+  EXPECT_THROW(EventLogReader(path_.string()), std::runtime_error);
+}
+
+TEST_F(EventLog, TellsWhenTheDiskIsFull) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP();
+  EventLogWriter log("/dev/full");
+  const std::vector<uint8_t> bytes(1000);
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) log.Write(0, "CHANNEL", bytes);
+        log.Flush();
+      },
+      std::runtime_error);
+}
+
+}  // namespace
+}  // namespace vpslam::test
