@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "core/geometry/camera.h"
 #include "core/messages/run_description.h"
 #include "core/messages/truth.h"
 #include "core/transport/channels.h"

@@ -42,18 +42,18 @@ class LogSourceTest : public ::testing::Test {
   }
   void WriteCamera() {
     Camera camera;
-    camera.width = 4;
-    camera.height = 2;
-    camera.fx = camera.fy = 3;
-    camera.cx = 2;
-    camera.cy = 1;
+    camera.width = 32;
+    camera.height = 16;
+    camera.fx = camera.fy = 30;
+    camera.cx = 15;
+    camera.cy = 7;
     Write(kCameraChannel, camera, 0);
   }
   void WriteImage(int i, bool handle = false) {
     ImageFrame frame;
     frame.frame_seq = i;
     frame.stamp_us = 1000 * i;
-    frame.pixels = cv::Mat(2, 4, CV_8UC1, cv::Scalar(10 * i));
+    frame.pixels = cv::Mat(16, 32, CV_8UC1, cv::Scalar(10 * i));
     ImageMessage message = InlineImage(frame);
     if (handle) {
       message.bytes.clear();
@@ -93,7 +93,7 @@ TEST_F(LogSourceTest, PlaysImagesWithTheirTruth) {
   }
   const auto source = Open();
   EXPECT_FALSE(source->HasFeatures());
-  EXPECT_EQ(source->camera().width, 4);
+  EXPECT_EQ(source->camera().width, 32);
   for (int i = 0; i < kFrames; ++i) {
     const auto frame = source->Next();
     ASSERT_TRUE(frame);
