@@ -3,11 +3,11 @@
 import argparse
 import pathlib
 
-from vpslam_tools import console, install_build, run_command
+from vpslam_tools import console, install_build, presets, run_command
 from vpslam_tools.errors import UserError
 
 # What of the recorded run is done again; where its images came from matters no more.
-RECORDED = ["set", "pace", "preset", "detectors"]
+RECORDED = ["set", "pace", *presets.options(), "detectors"]
 
 
 def add_parser(commands):
@@ -72,6 +72,8 @@ def run_options(args, path, summary):
             setattr(options, name, getattr(args, name))
     for name in ("start", "frames", "out", "url", "session", "preview"):
         setattr(options, name, getattr(args, name))
+    if options.detectors is None:
+        options.detectors = presets.detectors(options)
     channels = summary["channels"]
     options.from_features = args.features or "IMAGE" not in channels
     if options.from_features:

@@ -46,8 +46,8 @@ class Replay(system.SystemTest):
         self.assertEqual(sum(told["channels"][name]["gaps"] for name in streams), 0)
 
     def test_features(self):
-        plain = self.record("plain")
-        recorded = self.record("features", "--record", "features",
+        plain = self.record("plain", "--preset", "points")
+        recorded = self.record("features", "--record", "features", "--preset", "points",
                                "--set", "frontend.orb.num_features=900")
         self.assertFalse((plain / "log.lcm").exists())
         self.assertNotEqual((plain / "trajectory.txt").read_bytes(),

@@ -41,8 +41,9 @@ class Steering(system.SystemTest):
         self.wait_until(lambda: self.paused_before(run) == frame + 3, "three frames")
         table = self.inside(run, system.VPSLAM, "status", "--url", run["url"])
         rows = {line.split()[0]: line for line in table.splitlines()}
-        self.assertEqual(list(rows), ["process", "player", "frontend", "backend", "recorder"])
-        for name in system.NAMES:
+        self.assertEqual(list(rows), ["process", "player", "vpdetector", "frontend", "backend",
+                                      "recorder"])
+        for name in system.WITHOUT_DETECTORS:
             self.assertIn(str(run["processes"][name]["pid"]), rows[name])
             self.assertIn("running", rows[name])
         self.assertEqual(self.statuses(run)["frontend"]["processed"], frame + 3)

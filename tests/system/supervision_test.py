@@ -7,7 +7,6 @@ import unittest
 
 import system
 
-DETECTORS = ["vpdetector1"]
 STOPPED_S = 2.0
 # The sequence is too short for more: each case is one run.
 MIN_COVERAGE = 0.9   # of the undisturbed run's
@@ -31,7 +30,7 @@ class Supervision(system.SystemTest):
         """A run in which `disturbance` is done to the run once a third of its frames came through;
         returns what the launcher said."""
         out = self.folder / name
-        names = system.NAMES + DETECTORS
+        names = system.NAMES
         process, run = self.start_and_wait_for_frames(
             system.sequence(), "--out", out, "--detectors", 1, names=names)
         disturbance(run)
@@ -62,7 +61,7 @@ class Supervision(system.SystemTest):
         self.assertIn("frontend was killed by SIGKILL; it is started again", output)
 
     def test_stopped_processes(self):
-        for name in system.NAMES + DETECTORS:
+        for name in system.NAMES:
             with self.subTest(name):
                 def stop(run):
                     pid = run["processes"][name]["pid"]

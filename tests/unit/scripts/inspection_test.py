@@ -133,7 +133,7 @@ class Replay(unittest.TestCase):
         summary = dict(SUMMARY, run=None, channels={"IMAGE": None})
         options = replay_command.run_options(replay_arguments("log.lcm"), pathlib.Path("log.lcm"),
                                              summary)
-        self.assertEqual((options.seed, options.detectors), (1, 0))
+        self.assertEqual((options.seed, options.detectors), (1, 1))
 
 
 class Log(unittest.TestCase):
