@@ -152,7 +152,7 @@ TEST(IsKeyframe, CountsFramesAndPoints) {
   Frame frame;
   const auto is_keyframe = [&](int inliers, int frames_since) {
     frame.inliers = inliers;
-    return IsKeyframe(frame, reference, frames_since, s.map.map, options);
+    return IsKeyframe(frame, reference, EarlierKeyframes{frames_since, 0}, s.map.map, options);
   };
   const int limit = static_cast<int>(std::ceil(0.9 * sure));
   EXPECT_TRUE(is_keyframe(limit - 1, 3));
@@ -160,7 +160,7 @@ TEST(IsKeyframe, CountsFramesAndPoints) {
   EXPECT_FALSE(is_keyframe(limit - 1, 2)) << "too soon";
   EXPECT_TRUE(is_keyframe(15, 3));
   EXPECT_FALSE(is_keyframe(14, 3)) << "a frame that sees nothing is no help";
-  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(99), 10, s.map.map, options)) << "unknown reference";
+  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(99), {10, 0}, s.map.map, options)) << "unknown reference";
 }
 
 TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
@@ -169,9 +169,9 @@ TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
   for (const PointId id : s.map.map.Find(KeyframeId(0))->points) two += id.IsValid();
   Frame frame;
   frame.inliers = static_cast<int>(0.9 * two) - 1;
-  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), 1, s.map.map, {}));
+  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
   frame.inliers += 2;
-  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), 1, s.map.map, {}));
+  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
 }
 
 }  // namespace
