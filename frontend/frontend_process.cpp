@@ -34,8 +34,7 @@ StreamWriterOptions Window(int window, bool drop_oldest = false) {
 
 /// An answer, or a snapshot, is taken up as a whole: the map makes no sense in between.
 bool IsComplete(const MapDelta& part) {
-  return part.answers.IsValid() ||
-         (part.version >= 0 && (part.snapshot || part.base_version < 0));
+  return part.answers.IsValid() || (part.version >= 0 && (part.snapshot || part.base_version < 0));
 }
 
 double ElapsedMs(int64_t since_us) {

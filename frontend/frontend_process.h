@@ -97,11 +97,11 @@ class FrontendProcess {
   StreamWriter<KeyframeProposal> keyframes_;
   Publisher<MapRequest> requests_;
 
-  std::deque<KeyframeId> unanswered_;  ///< proposed, without an answer yet
+  std::deque<KeyframeId> unanswered_;                ///< proposed, without an answer yet
   std::vector<StreamReader<MapDelta>::Item> parts_;  ///< of an answer that is not complete yet
-  bool resyncing_ = false;      ///< the replica missed something and waits for a snapshot
+  bool resyncing_ = false;  ///< the replica missed something and waits for a snapshot
   std::chrono::steady_clock::time_point next_request_;  ///< of that snapshot
-  int64_t newest_version_ = 0;  ///< of the map, as far as deltas told
+  int64_t newest_version_ = 0;                          ///< of the map, as far as deltas told
   std::optional<int64_t> backend_session_;
 };
 

@@ -41,8 +41,7 @@ int main(int argc, char** argv) {
                             return tracker->Track(image, lines);
                           },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
-                          [&] { return tracker->Finish(); },
-                          [&] { return tracker->map_version(); },
+                          [&] { return tracker->Finish(); }, [&] { return tracker->map_version(); },
                           [&](int keyframes) { tracker->SetUnanswered(keyframes); }};
     };
     std::optional<LineSourceOptions> lines;

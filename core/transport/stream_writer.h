@@ -72,8 +72,8 @@ class StreamWriter {
                const StreamWriterOptions& options = {})
       : core_(bus, std::move(channel), std::move(consumers), options) {}
 
-  /// Blocks while the window is full, unless it drops. False when the bus was interrupted; throws PeerGoneError, or
-  /// std::invalid_argument if the value may not be sent.
+  /// Blocks while the window is full, unless it drops. False when the bus was interrupted; throws
+  /// PeerGoneError, or std::invalid_argument if the value may not be sent.
   bool Send(const T& value) {
     return core_.Send([&value](const Header& header) { return Encode(header, value); }, false);
   }

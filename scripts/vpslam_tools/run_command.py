@@ -160,7 +160,9 @@ def conclude(supervisor, args, out, progress):
 
 
 def describe_results(out, frames):
-    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
+    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped" + (
+        f", {frames['dropped_before_init']} of them before the map was started"
+        if frames["dropped"] else "")]
     truth = out / "truth.txt"
     estimate = out / "trajectory.txt"
     if truth.exists() and estimate.exists():

@@ -64,9 +64,9 @@ class Graph {
   void StartFrontend() {
     threads_.emplace_back([this] {
       StatusReporter status(bus_, "frontend");
-      FrontendProcess frontend(bus_, peers_, status, {"backend", "recorder"},
-                               [this](const Camera&) { return tracker_.Calls(); }, std::nullopt,
-                               pace_);
+      FrontendProcess frontend(
+          bus_, peers_, status, {"backend", "recorder"},
+          [this](const Camera&) { return tracker_.Calls(); }, std::nullopt, pace_);
       Guard([&] { frontend.Run(); });
       frontend_done_ = true;
       bus_.Notify();

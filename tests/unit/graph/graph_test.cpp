@@ -1,11 +1,11 @@
 // The order of events in a graph, and how it ends.
+#include "graph.h"
+
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-
-#include "graph.h"
 
 namespace vpslam::test {
 namespace {
