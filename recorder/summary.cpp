@@ -70,6 +70,7 @@ Json Losses(const RunRecord& run) {
   Json losses = Json::object();
   for (const auto& [key, status] : run.processes()) {
     Json& own = losses[status.process];
+    if (own.is_null()) own = Json::object();
     const auto add = [&own](const char* name, int64_t count) {
       own[name] = own.value(name, int64_t{0}) + count;
     };
