@@ -19,6 +19,7 @@
 #include "core/transport/image_pool.h"
 #include "core/transport/inbox.h"
 #include "core/transport/publisher.h"
+#include "core/transport/receive_buffer.h"
 #include "core/transport/stream_writer.h"
 #include "player/tempo.h"
 
@@ -61,8 +62,12 @@ class Player {
       images_.WaitAllAcked(kPatienceWithTheUnready);
       return 0;
     }
-    status_.SetState(ProcessState::kRunning);
+    status_.SetState(ProcessState::kRunning, Warning());
     const std::exception_ptr broken = SendImages();
+    if (tempo_.restarts() > 0) {
+      spdlog::warn("late by more than {} s {} times, and went on from there",
+                   std::chrono::duration<double>(Tempo::kMaxDebt).count(), tempo_.restarts());
+    }
     End();
     if (broken) std::rethrow_exception(broken);
     return sent_;
@@ -82,6 +87,18 @@ class Player {
   }
   static int Slots(Pace pace) {
     return pace == Pace::kRealtime ? kRealtimeSlots : WriterOptions(pace).window + 1;
+  }
+
+  /// What a person had better know from the start; empty if there is nothing.
+  std::string Warning() const {
+    const std::optional<int> asked = AskedReceiveBuffer(bus_.url());
+    if (pool_ || !asked) return {};
+    const Camera& c = source_.camera();
+    const auto why = WhyInlineImagesGetLost(*asked, GrantedReceiveBuffer(*asked),
+                                            static_cast<size_t>(c.width) * c.height,
+                                            WriterOptions(options_.pace).window);
+    if (why) spdlog::warn("{}", *why);
+    return why.value_or("");
   }
 
   bool Stopping() {

@@ -44,6 +44,8 @@ def add_parser(commands):
                         help="lockstep (default): nothing is dropped, results repeat exactly; "
                         "lossless: nothing is dropped, mapping beside tracking; realtime: the tempo "
                         "of the time stamps, a process that is too slow misses frames")
+    parser.add_argument("--inline", action="store_true",
+                        help="pixels in the messages instead of in shared memory")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
     parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",

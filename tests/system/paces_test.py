@@ -57,6 +57,12 @@ class Paces(system.SystemTest):
         self.assertGreater(sum(losses["resent"] for losses in summary["messages"].values()), 0)
         self.assert_good(out, summary)
 
+    def test_inline_pixels_and_a_small_buffer(self):
+        out, summary = self.play("inline", "lossless", "--inline", **system.BAD_NETWORK)
+        self.assert_every_frame(out, summary)
+        self.assertRegex(self.output, r"player: images of \d+ kB travel in the messages .*"
+                         "recv_buf_size=")
+
     def test_realtime_keeps_the_tempo(self):
         out, summary = self.play("realtime", "realtime")
         self.assertEqual(summary["frames"]["in"], FRAMES)
