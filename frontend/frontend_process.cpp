@@ -141,7 +141,6 @@ bool FrontendProcess::WaitUntilMapFollows(const std::vector<KeyframeProposal>& p
   // Without the first views of a map there is nothing to track in.
   const bool is_start = proposed.back().role != KeyframeRole::kRegular;
   if (pace_ == Pace::kLockstep || is_start) return WaitForAnswers(0);
-  CheckBackend();
   return pace_ == Pace::kRealtime || WaitForAnswers(kLosslessUnanswered - 1);
 }
 
@@ -180,6 +179,7 @@ void FrontendProcess::TakeWhatCame() {
     parts_.clear();
   }
   AskForSnapshot();
+  if (!unanswered_.empty()) CheckBackend();
 }
 
 bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {

@@ -43,7 +43,8 @@ std::optional<std::string> WhyInlineImagesGetLost(int asked_bytes, int granted_b
                         wanted)
           : fmt::format("ask for more: recv_buf_size={} in the LCM URL", wanted);
   return fmt::format(
-      "images of {} kB travel in the messages (--inline), and with a receive buffer of {} kB many of "
+      "images of {} kB travel in the messages (--inline), and with a receive buffer of {} kB many "
+      "of "
       "them get lost; {}, or leave out --inline",
       image_bytes / 1000, granted_bytes / 1000, remedy);
 }
