@@ -20,10 +20,21 @@ constexpr const char* kPlayer = "player";
 constexpr std::chrono::milliseconds kRequestPeriod{500};
 constexpr std::chrono::hours kForever{24 * 365};
 
-StreamWriterOptions Window(int window) {
+/// Images that wait in realtime; beyond that the oldest is dropped. A hitch of 0.1 s costs none.
+constexpr std::size_t kRealtimeQueue = 3;
+/// Keyframes under work in lossless, before the next image waits.
+constexpr std::size_t kLosslessUnanswered = 2;
+
+StreamWriterOptions Window(int window, bool drop_oldest = false) {
   StreamWriterOptions options;
   options.window = window;
+  options.drop_oldest = drop_oldest;
   return options;
+}
+
+/// An answer, or a snapshot, is taken up as a whole: the map makes no sense in between.
+bool IsComplete(const MapDelta& part) {
+  return part.answers.IsValid() || (part.version >= 0 && (part.snapshot || part.base_version < 0));
 }
 
 double ElapsedMs(int64_t since_us) {
@@ -34,17 +45,20 @@ double ElapsedMs(int64_t since_us) {
 
 FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                                  const std::vector<std::string>& required, MakeTracker make_tracker,
-                                 const std::optional<LineSourceOptions>& lines)
+                                 const std::optional<LineSourceOptions>& lines, Pace pace)
     : bus_(bus),
       peers_(peers),
       status_(status),
       required_(required),
+      pace_(pace),
       make_tracker_(std::move(make_tracker)),
       camera_(bus),
-      images_(bus, kImageChannel, kName, AckPolicy::kWhenDone),
+      images_(bus, kImageChannel, kName, AckPolicy::kWhenDone,
+              pace == Pace::kRealtime ? kRealtimeQueue : Images::kUnbounded),
       lines_(lines ? std::make_unique<LineSource>(bus, peers, *lines) : nullptr),
       deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
-      poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required), Window(64)),
+      poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required),
+             Window(64, pace == Pace::kRealtime)),
       keyframes_(bus, kKeyframeChannel, RequiredConsumers(kKeyframeConsumers, required), Window(2)),
       requests_(bus, kMapRequestChannel) {}
 
@@ -57,16 +71,24 @@ void FrontendProcess::Run() {
   CheckBackend();
   status_.SetState(ProcessState::kRunning);
   while (true) {
-    if (!peers_.WaitFor([this] { return images_.HasNews(); }, {kPlayer})) return;
+    if (!WaitForNews()) return;
     status_.SetQueued(static_cast<int64_t>(images_.size()));
     if (images_.Ended()) break;
-    const auto item = images_.TryTake();
-    if (!item) continue;
-    if (!Process(*item)) return;
-    images_.Done(item->header);
-    status_.AddProcessed();
+    if (const auto item = images_.TryTake()) {
+      if (!Process(*item)) return;
+      images_.Done(item->header);
+      status_.AddProcessed();
+    }
+    if (pace_ != Pace::kLockstep) TakeWhatCame();
   }
   if (Finish()) spdlog::info("end of the sequence");
+}
+
+bool FrontendProcess::WaitForNews() {
+  const auto news = [this] {
+    return images_.HasNews() || (pace_ != Pace::kLockstep && deltas_.HasMessage());
+  };
+  return peers_.WaitFor(news, {kPlayer});
 }
 
 bool FrontendProcess::Process(const Images::Item& item) {
@@ -88,6 +110,9 @@ bool FrontendProcess::Process(const Images::Item& item) {
     }
     return lines ? &*lines : nullptr;
   };
+  if (tracker_->set_unanswered) {
+    tracker_->set_unanswered(static_cast<int>(unanswered_.size()));
+  }
   Tracker::Output output = tracker_->track(*image, get_lines);
   get_lines();  // not before they are there is a detector done with the image's slot
   if (bus_.interrupted()) return false;
@@ -107,8 +132,16 @@ bool FrontendProcess::Process(const Images::Item& item) {
   if (output.keyframes.empty()) return true;
   for (const KeyframeProposal& keyframe : output.keyframes) {
     if (!keyframes_.Send(keyframe)) return false;
+    unanswered_.push_back(keyframe.id);
   }
-  return WaitForAnswer(output.keyframes.back().id);
+  return WaitUntilMapFollows(output.keyframes);
+}
+
+bool FrontendProcess::WaitUntilMapFollows(const std::vector<KeyframeProposal>& proposed) {
+  // Without the first views of a map there is nothing to track in.
+  const bool is_start = proposed.back().role != KeyframeRole::kRegular;
+  if (pace_ == Pace::kLockstep || is_start) return WaitForAnswers(0);
+  return pace_ == Pace::kRealtime || WaitForAnswers(kLosslessUnanswered - 1);
 }
 
 bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
@@ -127,17 +160,32 @@ bool FrontendProcess::CatchUp() {
   return TakeDeltasUntil([this] { return !resyncing_; });
 }
 
-bool FrontendProcess::WaitForAnswer(KeyframeId keyframe) {
-  return TakeDeltasUntil([&] { return answered_ == keyframe && !resyncing_; });
+bool FrontendProcess::WaitForAnswers(size_t max_unanswered) {
+  return TakeDeltasUntil([&] { return unanswered_.size() <= max_unanswered && !resyncing_; });
+}
+
+void FrontendProcess::AskForSnapshot() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!resyncing_ || now < next_request_) return;
+  requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
+  next_request_ = now + kRequestPeriod;
+}
+
+void FrontendProcess::TakeWhatCame() {
+  while (auto item = deltas_.TryTake()) {
+    parts_.push_back(std::move(*item));
+    if (!IsComplete(parts_.back().value)) continue;
+    for (const auto& part : parts_) TakeUp(part);
+    parts_.clear();
+  }
+  AskForSnapshot();
+  if (!unanswered_.empty()) CheckBackend();
 }
 
 bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
-  auto next_request = std::chrono::steady_clock::now();
+  for (const auto& part : std::exchange(parts_, {})) TakeUp(part);
   while (!enough()) {
-    if (resyncing_ && std::chrono::steady_clock::now() >= next_request) {
-      requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
-      next_request = std::chrono::steady_clock::now() + kRequestPeriod;
-    }
+    AskForSnapshot();
     if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
       if (bus_.interrupted()) return false;
       CheckBackend();
@@ -161,7 +209,7 @@ void FrontendProcess::CheckBackend() {
 
 void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
   const MapDelta& delta = item.value;
-  if (delta.answers.IsValid()) answered_ = delta.answers;
+  while (!unanswered_.empty() && unanswered_.front() <= delta.answers) unanswered_.pop_front();
   newest_version_ = std::max(newest_version_, delta.version);
   if (resyncing_) {
     // Deltas are refused until the snapshot begins, and fit one another from there on. The replica
@@ -180,7 +228,7 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
 }
 
 bool FrontendProcess::Finish() {
-  if (!SendPoses(tracker_->finish().poses)) return false;
+  if (!WaitForAnswers(0) || !SendPoses(tracker_->finish().poses)) return false;
   if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
   if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;
   // The backend ends MAP next, and waits until this process has received that.

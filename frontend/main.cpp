@@ -41,8 +41,8 @@ int main(int argc, char** argv) {
                             return tracker->Track(image, lines);
                           },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
-                          [&] { return tracker->Finish(); },
-                          [&] { return tracker->map_version(); }};
+                          [&] { return tracker->Finish(); }, [&] { return tracker->map_version(); },
+                          [&](int keyframes) { tracker->SetUnanswered(keyframes); }};
     };
     std::optional<LineSourceOptions> lines;
     if (std::find(options.required.begin(), options.required.end(), LineSource::kDetector) !=
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
       lines = LineSourceOptions::ForPace(options.pace);
     }
     FrontendProcess frontend(process.bus, process.peers, process.status, options.required,
-                             make_tracker, lines);
+                             make_tracker, lines, options.pace);
     frontend.Run();
     return kExitOk;
   });

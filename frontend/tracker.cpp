@@ -86,6 +86,7 @@ class Tracker::Impl {
   }
 
   int64_t map_version() const { return map_.version(); }
+  void SetUnanswered(int keyframes) { unanswered_ = keyframes; }
 
  private:
   Frame MakeFrame(const ImageFrame& image) {
@@ -203,7 +204,8 @@ class Tracker::Impl {
       return;
     }
     state_ = TrackingState::kTracking;
-    if (IsKeyframe(frame, local.reference, frames_since_keyframe_, map_, options_.keyframes)) {
+    if (IsKeyframe(frame, local.reference, {frames_since_keyframe_, unanswered_}, map_,
+                   options_.keyframes)) {
       Propose(&frame, output);
     }
     output->poses.push_back(ToPose(frame, state_));
@@ -251,7 +253,8 @@ class Tracker::Impl {
 
   bool TrackWithKeyframe(Frame* frame) {
     frame->cam_from_world = last_->cam_from_world;
-    const KeyframeId keyframe = map_.LivingAncestor(last_->reference);
+    KeyframeId keyframe = map_.LivingAncestor(last_->reference);
+    if (!keyframe.IsValid()) keyframe = map_.LivingAncestor(reference_in_map_);
     if (MatchKeyframe(context_, keyframe, frame) < options_.motion.min_matches) return false;
     OptimizeFrame(context_, options_.pose, frame);
     return frame->Support() >= options_.motion.min_inliers;
@@ -269,7 +272,7 @@ class Tracker::Impl {
     for (const PointId id : frame->points) {
       if (id.IsValid()) ++sightings_[id].found;
     }
-    frame->reference = local->reference;
+    frame->reference = reference_in_map_ = local->reference;
     SE3 reference_from_world;
     if (!map_.CamFromWorld(frame->reference, &reference_from_world)) return false;
     frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
@@ -364,7 +367,9 @@ class Tracker::Impl {
   MapId discarded_map_;  ///< to be told to the backend with the next map
   int32_t next_keyframe_ = 0;
   int frames_since_keyframe_ = 0;
+  int unanswered_ = 0;
   std::optional<Frame> last_;    ///< the last frame, while tracking
+  KeyframeId reference_in_map_;  ///< of the last frame, where that became a keyframe itself
   std::optional<SE3> velocity_;  ///< this frame's camera from the last one's
   std::map<PointId, SightingCounts> sightings_;
   std::deque<Frame> history_;  ///< frames since before the map, until it has passed its probation
@@ -390,6 +395,7 @@ Tracker::Output Tracker::Track(const ImageFrame& image, const GetLines& lines) {
 }
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }
+void Tracker::SetUnanswered(int keyframes) { impl_->SetUnanswered(keyframes); }
 int64_t Tracker::map_version() const { return impl_->map_version(); }
 
 }  // namespace vpslam

@@ -47,6 +47,10 @@ class Tracker {
 
   int64_t map_version() const;
 
+  /// Keyframes that were proposed and are not in the map yet, when the next image is tracked. With
+  /// some of them under way, fewer are proposed. 0 in lockstep.
+  void SetUnanswered(int keyframes);
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -123,12 +123,20 @@ struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
   int min_frames = 1;              ///< since the last keyframe
   int min_inliers = 15;
+  /// Where the backend works beside the tracker: with as many keyframes under work, further ones
+  /// are left out. With tracking weak, up to max_unanswered_when_weak may be.
+  int max_unanswered = 1;
+  int max_unanswered_when_weak = 2;
+  double weak_tracked_ratio = 0.5;  ///< of the reference keyframe's points
 
   template <class V>
   void Visit(V& v) {
     v("max_tracked_ratio", max_tracked_ratio);
     v("min_frames", min_frames);
     v("min_inliers", min_inliers);
+    v("max_unanswered", max_unanswered);
+    v("max_unanswered_when_weak", max_unanswered_when_weak);
+    v("weak_tracked_ratio", weak_tracked_ratio);
   }
 };
 

@@ -1,5 +1,6 @@
 #include "player/play.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -18,7 +19,9 @@
 #include "core/transport/image_pool.h"
 #include "core/transport/inbox.h"
 #include "core/transport/publisher.h"
+#include "core/transport/receive_buffer.h"
 #include "core/transport/stream_writer.h"
+#include "player/tempo.h"
 
 namespace vpslam {
 namespace {
@@ -43,10 +46,11 @@ class Player {
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         camera_(bus, source.camera()),
         truth_(bus, kTruthChannel),
-        images_(bus, kImageChannel, consumers_, Lockstep()) {
+        images_(bus, kImageChannel, consumers_, WriterOptions(options.pace)),
+        tempo_(source.IsLive()) {
     if (!options.inline_pixels) {
       const Camera& c = source.camera();
-      pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), kWindow + 1,
+      pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), Slots(options.pace),
                                           static_cast<size_t>(c.width) * c.height);
     }
   }
@@ -58,20 +62,43 @@ class Player {
       images_.WaitAllAcked(kPatienceWithTheUnready);
       return 0;
     }
-    status_.SetState(ProcessState::kRunning);
+    status_.SetState(ProcessState::kRunning, Warning());
     const std::exception_ptr broken = SendImages();
+    if (tempo_.restarts() > 0) {
+      spdlog::warn("late by more than {} s {} times, and went on from there",
+                   std::chrono::duration<double>(Tempo::kMaxDebt).count(), tempo_.restarts());
+    }
     End();
     if (broken) std::rethrow_exception(broken);
     return sent_;
   }
 
  private:
-  /// One image on its way at a time: the next goes out when all consumers are done with it.
-  static constexpr int kWindow = 1;
-  static StreamWriterOptions Lockstep() {
+  static constexpr int kLosslessWindow = 4;
+  /// In realtime a slot is used again after so many images, whether or not they were looked at.
+  /// Readers copy an image when they take it up, and drop what waits longer than this.
+  static constexpr int kRealtimeSlots = 12;
+
+  static StreamWriterOptions WriterOptions(Pace pace) {
     StreamWriterOptions options;
-    options.window = kWindow;
+    options.window = pace == Pace::kLossless ? kLosslessWindow : 1;
+    options.drop_oldest = pace == Pace::kRealtime;
     return options;
+  }
+  static int Slots(Pace pace) {
+    return pace == Pace::kRealtime ? kRealtimeSlots : WriterOptions(pace).window + 1;
+  }
+
+  /// What a person had better know from the start; empty if there is nothing.
+  std::string Warning() const {
+    const std::optional<int> asked = AskedReceiveBuffer(bus_.url());
+    if (pool_ || !asked) return {};
+    const Camera& c = source_.camera();
+    const auto why = WhyInlineImagesGetLost(*asked, GrantedReceiveBuffer(*asked),
+                                            static_cast<size_t>(c.width) * c.height,
+                                            WriterOptions(options_.pace).window);
+    if (why) spdlog::warn("{}", *why);
+    return why.value_or("");
   }
 
   bool Stopping() {
@@ -100,6 +127,42 @@ class Player {
     return !Stopping();
   }
 
+  /// Sleeps until the image may go out; false if that is not to happen any more.
+  bool WaitForTurn(int64_t stamp_us) {
+    switch (options_.pace) {
+      case Pace::kLockstep:
+        return WaitUntilConsumed();
+      case Pace::kLossless:
+        return WaitForRoom();
+      case Pace::kRealtime:
+        return WaitUntilDue(stamp_us);
+    }
+    return false;
+  }
+
+  bool WaitForRoom() {
+    const auto room = [this] { return images_.HasRoom() || Stopping(); };
+    while (!bus_.WaitFor(room, kLookAround)) {
+      if (bus_.interrupted()) return false;
+      ThrowIfAnyoneIsGone();
+    }
+    return true;
+  }
+
+  bool WaitUntilDue(int64_t stamp_us) {
+    const Tempo::Clock::time_point due = tempo_.Due(stamp_us, Tempo::Clock::now());
+    ThrowIfAnyoneIsGone();
+    while (!Stopping()) {
+      const auto left = due - Tempo::Clock::now();
+      if (left <= left.zero()) return true;
+      // Not to the millisecond below: that would end in a busy loop.
+      bus_.WaitFor([this] { return Stopping(); },
+                   std::min(std::chrono::ceil<std::chrono::milliseconds>(left), kLookAround));
+      ThrowIfAnyoneIsGone();
+    }
+    return false;
+  }
+
   /// Sleeps until the consumers are done with all that was sent; false if interrupted.
   bool WaitUntilConsumed() {
     while (!images_.WaitAllAcked(kLookAround)) {
@@ -119,7 +182,7 @@ class Player {
         return std::current_exception();
       }
       // Before the time of publishing is taken: it is not to include the wait.
-      if (!frame || !WaitUntilConsumed() || Stopping()) break;
+      if (!frame || !WaitForTurn(frame->stamp_us) || Stopping()) break;
       if (!SendImage(*frame)) break;
     }
     return nullptr;
@@ -158,6 +221,7 @@ class Player {
   CameraBeacon camera_;
   Publisher<Truth> truth_;
   StreamWriter<ImageMessage> images_;
+  Tempo tempo_;
   std::unique_ptr<ImagePool> pool_;
   int64_t sent_ = 0;
   bool stopped_ = false;

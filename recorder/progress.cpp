@@ -38,9 +38,12 @@ std::string ProgressLine(const RunRecord& run) {
                                  {"keyframes", run.map().NumKeyframes(newest.map)},
                                  {"points", run.map().NumPoints(newest.map)},
                                  {"dropped", frame + 1 - static_cast<int64_t>(frames.size())},
-                                 {"processes", nlohmann::ordered_json::object()}};
+                                 {"processes", nlohmann::ordered_json::object()},
+                                 {"messages", nlohmann::ordered_json::object()}};
   for (const auto& [key, status] : run.processes()) {
     line["processes"][status.process] = StateName(status.state);
+    const bool runs = status.state == ProcessState::kRunning;
+    if (runs && !status.message.empty()) line["messages"][status.process] = status.message;
   }
   return line.dump();
 }

@@ -43,9 +43,13 @@ class StreamReaderCore {
 template <class T>
 class StreamReader {
  public:
-  /// `consumer` is the name by which the writer waits for this process.
-  StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy)
-      : bus_(bus), channel_(channel), core_(bus, channel, consumer, policy) {
+  static constexpr std::size_t kUnbounded = 0;
+
+  /// `consumer` is the name by which the writer waits for this process. A queue that holds more
+  /// than `capacity` messages drops its oldest, counted: for streams whose writer never waits.
+  StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy,
+               std::size_t capacity = kUnbounded)
+      : bus_(bus), channel_(channel), capacity_(capacity), core_(bus, channel, consumer, policy) {
     registration_ = bus.Subscribe(channel, [this](std::span<const uint8_t> b) { Receive(b); });
   }
 
@@ -98,10 +102,16 @@ class StreamReader {
     const bool first = verdict == Verdict::kDeliverFirstOfSession;
     queue_.push_back({std::move(message->value), message->header, first && seen_any_});
     seen_any_ = true;
+    if (capacity_ == kUnbounded || queue_.size() <= capacity_) return;
+    const bool restarted = queue_.front().restarted;
+    queue_.pop_front();
+    queue_.front().restarted |= restarted;
+    ++bus_.counters().dropped;
   }
 
   Bus& bus_;
   const std::string channel_;
+  const std::size_t capacity_;
   StreamReaderCore core_;
   mutable std::mutex mutex_;
   std::deque<Item> queue_;

@@ -42,7 +42,7 @@ def command_lines(options, url, session, out):
             if getattr(options, name) not in (None, [])}
     arguments = {
         "player": [options.sequence, "--session", session, "--truth", str(out / "truth.txt")]
-        + given(*sources.OPTIONS, "start", "frames"),
+        + given(*sources.OPTIONS, "start", "frames") + ["--inline"] * options.inline,
         "frontend": given("config", "seed") + settings,
         "backend": given("config") + settings,
         "recorder": ["--out", str(out), "--progress", "--options", json.dumps(told)]

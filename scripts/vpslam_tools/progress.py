@@ -14,13 +14,20 @@ class Progress:
         self._on_terminal = stream.isatty()
         self._line_open = False
         self._last_printed = -QUIET_S
+        self._told = set()
 
     def show(self, json_line):
         """Returns whether frames come through."""
         try:
-            line = describe(json.loads(json_line))
+            progress = json.loads(json_line)
+            line = describe(progress)
+            messages = progress.get("messages", {}).items()
         except (ValueError, KeyError, TypeError, AttributeError):
             return False  # not a progress line; nothing hangs on it
+        for process, message in messages:
+            if (process, message) not in self._told:
+                self._told.add((process, message))
+                self.tell(f"{process}: {message}")
         if line is None:
             return False
         if self._on_terminal:

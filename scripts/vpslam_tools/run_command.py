@@ -40,8 +40,12 @@ def add_parser(commands):
     parser.add_argument("--config", metavar="FILE", help="settings, such as config/default.yaml")
     parser.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[],
                         help="one setting, over those of the file; may be repeated")
-    parser.add_argument("--pace", choices=["lockstep"], default="lockstep",
-                        help="lockstep (default): nothing is dropped, results repeat exactly")
+    parser.add_argument("--pace", choices=["lockstep", "lossless", "realtime"], default="lockstep",
+                        help="lockstep (default): nothing is dropped, results repeat exactly; "
+                        "lossless: nothing is dropped, mapping beside tracking; realtime: the tempo "
+                        "of the time stamps, a process that is too slow misses frames")
+    parser.add_argument("--inline", action="store_true",
+                        help="pixels in the messages instead of in shared memory")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
     parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",
@@ -158,7 +162,9 @@ def conclude(supervisor, args, out, progress):
 
 
 def describe_results(out, frames):
-    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
+    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped" + (
+        f", {frames['dropped_before_init']} of them before the map was started"
+        if frames["dropped"] else "")]
     truth = out / "truth.txt"
     estimate = out / "trajectory.txt"
     if truth.exists() and estimate.exists():

@@ -37,6 +37,11 @@ TEST(ProgressLine, ShowsTheNewestFrameAndItsMap) {
   EXPECT_EQ(line["dropped"], 15);
   EXPECT_EQ(line["fps"], 0);
   EXPECT_EQ(line["processes"]["frontend"], "running");
+  EXPECT_TRUE(line["messages"].empty());
+  ProcessStatus player = MakeStatus("player", 4, 6, 0, 0);
+  player.message = "the lens is dirty";
+  run.Add(player);
+  EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["messages"]["player"], "the lens is dirty");
   run.Add(MakePose(21, 1, 0, SE3(), SE3()));
   run.Add(MakePose(25, 1, 0, SE3(), SE3()));
   EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["fps"], 4);  // two in half a second
