@@ -43,10 +43,7 @@ bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame*
   MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
   if (OptimizeFrame(context, options_.pose, frame) < options_.local_map.min_inliers) return false;
   frame->reference = local.reference;
-  SE3 reference_from_world;
-  if (!context.map.CamFromWorld(frame->reference, &reference_from_world)) return false;
-  frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
-  return true;
+  return context.map.Hang(frame->reference, frame->cam_from_world, &frame->cam_from_reference);
 }
 
 std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
@@ -54,12 +51,11 @@ std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
   if (walks_.empty()) return std::nullopt;
   Walk& walk = walks_.front();
   // The map moves while the walk goes on: the last frame moves with its reference.
-  SE3 reference_from_world;
-  if (!context.map.CamFromWorld(walk.last.reference, &reference_from_world)) {
+  if (!context.map.Place(walk.last.reference, walk.last.cam_from_reference,
+                         &walk.last.cam_from_world)) {
     walk.todo.clear();
     return std::nullopt;
   }
-  walk.last.cam_from_world = walk.last.cam_from_reference * reference_from_world;
   if (const Keyframe* keyframe = context.map.Find(walk.last.reference);
       keyframe && keyframe->frame_seq == walk.last.seq) {
     walk.last.points = keyframe->points;

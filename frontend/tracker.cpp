@@ -222,9 +222,7 @@ class Tracker::Impl {
   /// Bundle adjustment moved the keyframe that the last frame hangs on: so moves the frame.
   void MoveLastWithMap() {
     if (!last_) return;
-    SE3 reference_from_world;
-    if (!map_.CamFromWorld(last_->reference, &reference_from_world)) return;
-    last_->cam_from_world = last_->cam_from_reference * reference_from_world;
+    if (!map_.Place(last_->reference, last_->cam_from_reference, &last_->cam_from_world)) return;
     // A frame that became a keyframe was given new points since.
     const Keyframe* keyframe = map_.Find(last_->reference);
     if (keyframe && keyframe->frame_seq == last_->seq) {
@@ -270,10 +268,7 @@ class Tracker::Impl {
       if (id.IsValid()) ++sightings_[id].found;
     }
     frame->reference = local->reference;
-    SE3 reference_from_world;
-    if (!map_.CamFromWorld(frame->reference, &reference_from_world)) return false;
-    frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
-    return true;
+    return map_.Hang(frame->reference, frame->cam_from_world, &frame->cam_from_reference);
   }
 
   std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const {
