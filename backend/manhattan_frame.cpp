@@ -49,6 +49,10 @@ void ManhattanFrame::Clear() {
   frame_.reset();
 }
 
+void ManhattanFrame::Turn(const Eigen::Quaterniond& new_from_old) {
+  if (frame_) frame_ = (new_from_old * *frame_).normalized();
+}
+
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) return;
   const double min_sigma = options_.min_sigma_deg * kRadPerDeg;

@@ -33,6 +33,8 @@ class ManhattanFrame {
   /// Names, birth, mean and loss, with the keyframes of `map` where they are now.
   void Update(const Map& map);
   void Clear();
+  /// The world was turned.
+  void Turn(const Eigen::Quaterniond& new_from_old);
 
   /// Set while the frame exists.
   const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }

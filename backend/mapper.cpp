@@ -1,5 +1,6 @@
 #include "backend/mapper.h"
 
+#include <map>
 #include <optional>
 
 #include "backend/culling.h"
@@ -9,6 +10,7 @@
 #include "backend/line_view.h"
 #include "backend/local_ba.h"
 #include "backend/manhattan_frame.h"
+#include "backend/map_joiner.h"
 #include "backend/map_starter.h"
 #include "backend/point_creator.h"
 #include "backend/point_fuser.h"
@@ -32,9 +34,9 @@ class Mapper::Impl {
   std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
     Stopwatch total;
     MappingTimes times;
+    if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
     switch (proposal.role) {
       case KeyframeRole::kMapFirst:
-        if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
         first_ = proposal;
         break;
       case KeyframeRole::kMapSecond:
@@ -42,7 +44,7 @@ class Mapper::Impl {
         first_.reset();
         break;
       case KeyframeRole::kRegular:
-        WorkIn(proposal, &times);
+        WorkIn(InPresentMap(proposal), &times);
         break;
     }
     times.total_ms = total.Lap_ms();
@@ -70,7 +72,7 @@ class Mapper::Impl {
   }
 
   void Start(const KeyframeProposal& second) {
-    manhattan_.Clear();
+    WorkOn(second.map);
     Store(*first_);
     Store(second);
     for (const PointId id :
@@ -86,8 +88,26 @@ class Mapper::Impl {
     }
   }
 
+  /// The Manhattan frame is of one map at a time.
+  void WorkOn(MapId map) {
+    if (map != map_at_work_) manhattan_.Clear();
+    map_at_work_ = map;
+  }
+
+  /// A frontend that has not heard of a merger yet speaks in coordinates of a map that is no more.
+  KeyframeProposal InPresentMap(const KeyframeProposal& proposal) const {
+    KeyframeProposal present = proposal;
+    for (auto at = mergers_.find(present.map); at != mergers_.end();
+         at = mergers_.find(present.map)) {
+      present.map = at->second.into;
+      present.cam_from_world = TransformWorld(present.cam_from_world, at->second.into_from);
+    }
+    return present;
+  }
+
   void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
     Stopwatch stopwatch;
+    WorkOn(proposal.map);
     Store(proposal);
     Insert(proposal);
     times->insertion_ms = stopwatch.Lap_ms();
@@ -117,6 +137,31 @@ class Mapper::Impl {
 
     CullKeyframes(proposal.id, store_, options_.culling, &map_);
     times->keyframe_culling_ms = stopwatch.Lap_ms();
+    if (proposal.seam.map.IsValid()) Join(proposal);
+  }
+
+  void Join(const KeyframeProposal& proposal) {
+    const KeyframeId id = proposal.id;
+    const auto alignment =
+        AlignSeam(id, proposal.seam, camera_, scales_, store_, options_.merging, map_);
+    if (!alignment) return;
+    const Merger merger = JoinMaps(id, *alignment, map_.Resolve(proposal.seam.map), &map_);
+    if (merger.from == map_at_work_) manhattan_.Turn(merger.into_from.rotation);
+    map_at_work_ = merger.into;
+    mergers_[merger.from] = merger;
+    std::vector<KeyframeId> around{id};
+    for (const auto& [other, shared] : map_.Covisible(id, options_.ba.min_shared_points)) {
+      if (static_cast<int>(around.size()) > options_.merging.neighbours_to_fuse) break;
+      around.push_back(other);
+    }
+    for (const KeyframeId keyframe : around) {
+      FusePoints(keyframe, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+    }
+    LocalBaOptions ba = options_.ba;
+    ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
+    AdjustLocally(id, camera_, scales_, store_, manhattan_, ba, options_.merging.max_iterations,
+                  &map_);
+    SetBestParent(id);
   }
 
   void Insert(const KeyframeProposal& proposal) {
@@ -163,6 +208,8 @@ class Mapper::Impl {
   PointProbation probation_;
   LineProbation line_probation_;
   int keyframe_count_ = 0;
+  MapId map_at_work_;
+  std::map<MapId, Merger> mergers_;  ///< by what was merged
   std::optional<KeyframeProposal> first_;
 };
 

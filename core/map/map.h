@@ -122,6 +122,8 @@ class Map {
   int32_t map_end() const;
   /// How many maps have become part of others.
   int num_merged() const { return static_cast<int>(merged_maps_.size()); }
+  /// Maps that have keyframes, ascending.
+  std::vector<MapId> Maps() const;
   int NumKeyframes(MapId map) const;
   int NumPoints(MapId map) const;
   int NumLines(MapId map) const;

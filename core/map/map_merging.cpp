@@ -73,6 +73,14 @@ MapId Map::Resolve(MapId id) const {
   return id;
 }
 
+std::vector<MapId> Map::Maps() const {
+  std::set<MapId> maps;
+  for (const Keyframe& keyframe : keyframes_) {
+    if (Find(keyframe.id)) maps.insert(keyframe.map);
+  }
+  return {maps.begin(), maps.end()};
+}
+
 int32_t Map::map_end() const {
   int32_t end = 0;
   const auto count = [&end](MapId id) { end = std::max(end, id.value + 1); };

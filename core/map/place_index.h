@@ -20,6 +20,12 @@ namespace vpslam {
 struct PlaceIndexOptions {
   int max_distance = 50;  ///< Hamming, between feature and point
   int min_votes = 10;     ///< features that show points of a keyframe, for it to be named
+
+  template <class V>
+  void Visit(V& v) {
+    v("max_distance", max_distance);
+    v("min_votes", min_votes);
+  }
 };
 
 class PlaceIndex {
