@@ -16,7 +16,7 @@ namespace {
 
 /// A point of one map as a keyframe of the other sees it.
 struct CrossSighting {
-  int common = 0;        ///< index of the common point
+  int common = -1;       ///< index of the common point; -1: no common one
   bool of_here = false;  ///< the point is one of `here`, seen by a keyframe of `there`
   Eigen::Vector3d position;
   SE3 cam_from_world;
@@ -82,6 +82,19 @@ class Aligner {
     AddSightings(common, false, there.position, here);
   }
 
+  /// What the keyframe of the seam itself sees of the other map. It says where the camera stands
+  /// there much better than a few common points do, which may be close to each other.
+  void AddSeam(const Keyframe& keyframe, const MapSeam& seam) {
+    const std::vector<Keypoint>& keypoints = store_.at(keyframe.id).features.keypoints;
+    for (const auto& [feature, id] : seam.points) {
+      const MapPoint* there = map_.Find(map_.Resolve(id));
+      if (!there || there->map == keyframe.map) continue;
+      const Keypoint& k = keypoints[feature];
+      sightings_.push_back({-1, false, there->position, keyframe.cam_from_world, k.Position(),
+                            1 / scales_.sigma_px(k.octave)});
+    }
+  }
+
   /// Residuals that lie behind a camera have no cost to begin with, and stay out.
   Sim3 Refine(const Sim3& start) const {
     Parameters p = ToParameters(start);
@@ -113,6 +126,7 @@ class Aligner {
     std::vector<int> seen(num_common, 0), fits(num_common, 0);
     for (const CrossSighting& s : sightings_) {
       double r[2];
+      if (s.common < 0) continue;
       ++seen[s.common];
       if (!CrossCost{camera_, s}(p.data(), r)) continue;
       fits[s.common] += r[0] * r[0] + r[1] * r[1] < kChi2Dof2 * max_sigmas * max_sigmas;
@@ -170,7 +184,6 @@ std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& se
   const MapId there = map.Resolve(seam.map);
   std::vector<CommonPoint> common;
   for (const auto& [feature, point] : seam.points) {
-    if (feature >= static_cast<int32_t>(keyframe.points.size())) continue;
     const MapPoint* a = map.Find(keyframe.points[feature]);
     const MapPoint* b = map.Find(map.Resolve(point));
     if (!a || !b || b->map != there || a->map == there) continue;
@@ -191,6 +204,7 @@ std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& se
       if (use[i]) aligner.Add(i, common[i]);
       all.Add(i, common[i]);
     }
+    aligner.AddSeam(keyframe, seam);
     there_from_here = aligner.Refine(there_from_here);
     use = all.Agreeing(there_from_here, num_common, sigmas);
   }

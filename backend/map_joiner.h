@@ -2,8 +2,9 @@
 // as well. Sim(3) between them from the points that both have, one map brought over into the other,
 // points that are the same fused, and bundle adjustment across the seam.
 //
-// The similarity minimises reprojection errors of common points in the keyframes of the *other* map
-// that see them, both ways: the keyframe of the seam itself cannot tell the scale.
+// The similarity minimises reprojection errors of what the keyframe of the seam sees of the other
+// map, and of common points in the keyframes of the *other* map that see them, both ways: the
+// keyframe of the seam alone cannot tell the scale.
 #pragma once
 
 #include <optional>

@@ -80,9 +80,14 @@ TEST(Relocalizer, NotInAMapThatIsLeftOut) {
 TEST(Relocalizer, TriesTheBestCandidates) {
   TrackingScene s(7, {}, 5);
   Frame frame = s.NewFrame(PoseAt({0.9, 0, 0}), 0);
-  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, {.max_candidates = 1}));
-  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {.max_candidates = 0}));
-  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {.min_matches = 10000}));
+  RelocalizerOptions options;
+  options.max_candidates = 1;
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, options));
+  options.max_candidates = 0;
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, options));
+  options = {};
+  options.min_matches = 10000;
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, options));
 }
 
 TEST(Relocalizer, SameInputSameResult) {
