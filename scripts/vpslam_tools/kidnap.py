@@ -1,6 +1,6 @@
 """Sequences in which the camera is covered, carried away or put back, made of a sequence in TUM's
-layout: images are linked, listing and truth written anew. Time goes on as if the camera had filmed it
-so."""
+layout: images are linked, listing and truth written anew. Time goes on as if the camera had
+filmed it so."""
 
 from dataclasses import dataclass
 import pathlib
