@@ -49,8 +49,10 @@ void ManhattanFrame::Clear() {
   frame_.reset();
 }
 
-void ManhattanFrame::Turn(const Eigen::Quaterniond& new_from_old) {
-  if (frame_) frame_ = (new_from_old * *frame_).normalized();
+void ManhattanFrame::Absorb(const ManhattanFrame& other,
+                            const Eigen::Quaterniond& world_from_other_world) {
+  entries_.insert(other.entries_.begin(), other.entries_.end());
+  if (!frame_ && other.frame_) frame_ = (world_from_other_world * *other.frame_).normalized();
 }
 
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {

@@ -27,7 +27,6 @@ class Mapper::Impl {
         bounds_(camera.UndistortedBounds()),
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
-        manhattan_(options.manhattan),
         probation_(options.culling),
         line_probation_(options.lines) {}
 
@@ -60,7 +59,7 @@ class Mapper::Impl {
     stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
     if (options_.lines.enabled) stored.lines = proposal.lines;
     ++keyframe_count_;
-    if (options_.manhattan.enabled) manhattan_.Add(proposal.id, proposal.lines);
+    if (options_.manhattan.enabled) Manhattan(proposal.map).Add(proposal.id, proposal.lines);
   }
 
   void Discard(MapId id) {
@@ -69,10 +68,10 @@ class Mapper::Impl {
       if (keyframe && keyframe->map == id) store_.erase(keyframe->id);
     }
     map_.EraseMap(id);
+    manhattan_.erase(id);
   }
 
   void Start(const KeyframeProposal& second) {
-    WorkOn(second.map);
     Store(*first_);
     Store(second);
     for (const PointId id :
@@ -88,10 +87,8 @@ class Mapper::Impl {
     }
   }
 
-  /// The Manhattan frame is of one map at a time.
-  void WorkOn(MapId map) {
-    if (map != map_at_work_) manhattan_.Clear();
-    map_at_work_ = map;
+  ManhattanFrame& Manhattan(MapId map) {
+    return manhattan_.try_emplace(map, options_.manhattan).first->second;
   }
 
   /// A frontend that has not heard of a merger yet speaks in coordinates of a map that is no more.
@@ -107,7 +104,7 @@ class Mapper::Impl {
 
   void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
     Stopwatch stopwatch;
-    WorkOn(proposal.map);
+    ManhattanFrame& manhattan = Manhattan(proposal.map);
     Store(proposal);
     Insert(proposal);
     times->insertion_ms = stopwatch.Lap_ms();
@@ -129,10 +126,10 @@ class Mapper::Impl {
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
-    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan_, options_.ba,
+    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan, options_.ba,
                   options_.ba.max_iterations, &map_);
-    manhattan_.Update(map_);
-    map_.SetManhattan(proposal.map, manhattan_.world_from_manhattan());
+    manhattan.Update(map_);
+    map_.SetManhattan(proposal.map, manhattan.world_from_manhattan());
     times->local_ba_ms = stopwatch.Lap_ms();
 
     CullKeyframes(proposal.id, store_, options_.culling, &map_);
@@ -146,8 +143,10 @@ class Mapper::Impl {
         AlignSeam(id, proposal.seam, camera_, scales_, store_, options_.merging, map_);
     if (!alignment) return;
     const Merger merger = JoinMaps(id, *alignment, map_.Resolve(proposal.seam.map), &map_);
-    if (merger.from == map_at_work_) manhattan_.Turn(merger.into_from.rotation);
-    map_at_work_ = merger.into;
+    ManhattanFrame& manhattan = Manhattan(merger.into);
+    manhattan.Absorb(Manhattan(merger.from), merger.into_from.rotation);
+    manhattan_.erase(merger.from);
+    manhattan.Update(map_);  // names
     mergers_[merger.from] = merger;
     std::vector<KeyframeId> around{id};
     for (const auto& [other, shared] : map_.Covisible(id, options_.ba.min_shared_points)) {
@@ -159,7 +158,7 @@ class Mapper::Impl {
     }
     LocalBaOptions ba = options_.ba;
     ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
-    AdjustLocally(id, camera_, scales_, store_, manhattan_, ba, options_.merging.max_iterations,
+    AdjustLocally(id, camera_, scales_, store_, manhattan, ba, options_.merging.max_iterations,
                   &map_);
     SetBestParent(id);
   }
@@ -204,11 +203,10 @@ class Mapper::Impl {
   ScalePyramid scales_;
   Map map_;
   KeyframeStore store_;
-  ManhattanFrame manhattan_;  ///< of the map at work
+  std::map<MapId, ManhattanFrame> manhattan_;
   PointProbation probation_;
   LineProbation line_probation_;
   int keyframe_count_ = 0;
-  MapId map_at_work_;
   std::map<MapId, Merger> mergers_;  ///< by what was merged
   std::optional<KeyframeProposal> first_;
 };
