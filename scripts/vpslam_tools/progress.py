@@ -50,6 +50,13 @@ class Progress:
 def describe(progress):
     if progress["frame"] < 0:
         return None
-    return (f"frame {progress['frame']}  {progress['fps']:.1f} fps  {progress['state']}  "
+    state = progress["state"]
+    if progress.get("frames_lost", 0) > 0:
+        state += f" for {progress['frames_lost']} frames"
+    if progress.get("maps", 0) > 1:
+        state += f"  map {progress['map']} ({progress['maps']} maps)"
+    if progress.get("maps_merged", 0) > 0:
+        state += f"  merged {progress['maps_merged']}"
+    return (f"frame {progress['frame']}  {progress['fps']:.1f} fps  {state}  "
             f"keyframes {progress['keyframes']}  points {progress['points']}  "
             f"dropped {progress['dropped']}")
