@@ -65,7 +65,14 @@ bool BackendProcess::AnswerRequests() {
                  request->value.map_version, mapper_->version());
     wanted = true;
   }
-  return !wanted || SendAll(mapper_->snapshot());
+  if (!wanted) return true;
+  // A frontend that was started again gives ids above those that it is told of: what its forerunner
+  // sent comes first.
+  while (const auto item = keyframes_.TryTake()) {
+    if (!SendAll(mapper_->process(item->value))) return false;
+    status_.AddProcessed();
+  }
+  return SendAll(mapper_->snapshot());
 }
 
 bool BackendProcess::SendAll(const std::vector<MapDelta>& deltas) {

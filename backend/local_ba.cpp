@@ -44,11 +44,13 @@ class Adjustment {
       pose_storage_.push_back(ToParameters(map.Find(id)->cam_from_world));
       poses_[id] = pose_storage_.back().data();
     }
+    landmark_storage_.reserve(3 * window.points.size() + 6 * window.lines.size());
     positions_.reserve(window.points.size());
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
     lines_.reserve(window.lines.size());
     for (const LineId id : window.lines) AddLine(*map.Find(id), store, map);
-    for (const KeyframeId id : window.moved) AddRotation(*map.Find(id), store.at(id).lines, manhattan);
+    for (const KeyframeId id : window.moved)
+      AddRotation(*map.Find(id), store.at(id).lines, manhattan);
   }
 
   BaSummary Solve(int max_iterations, double function_tolerance) {
@@ -84,9 +86,11 @@ class Adjustment {
     for (const KeyframeId id : window_.moved) {
       map->SetPose(id, FromParameters(poses_.at(id)));
     }
-    for (const auto& [id, position] : positions_) map->SetPosition(id, position);
+    for (const auto& [id, position] : positions_) {
+      map->SetPosition(id, Eigen::Map<const Eigen::Vector3d>(position));
+    }
     for (const auto& [id, line] : lines_) {
-      const Eigen::Map<const Eigen::Vector3d> point(line.data()), direction(line.data() + 3);
+      const Eigen::Map<const Eigen::Vector3d> point(line), direction(line + 3);
       const double half_length = 0.5 * (map->Find(id)->end - map->Find(id)->start).norm();
       map->SetEnds(id, point - half_length * direction, point + half_length * direction);
     }
@@ -102,29 +106,33 @@ class Adjustment {
     return options;
   }
 
+  /// Room is reserved, so that nothing moves.
+  double* Allocate(const double* values, size_t size) {
+    landmark_storage_.insert(landmark_storage_.end(), values, values + size);
+    return landmark_storage_.data() + landmark_storage_.size() - size;
+  }
+
   void AddPoint(const MapPoint& point, const KeyframeStore& store) {
-    Eigen::Vector3d& position = positions_.emplace_back(point.id, point.position).second;
+    double* position = Allocate(point.position.data(), 3);
     bool used = false;
     for (const Observation& o : point.observations) {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
       costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.sigma_px(keypoint.octave));
-      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position.data());
+      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position);
       used = true;
     }
-    if (used) {
-      ordering_->AddElementToGroup(position.data(), 0);
-    } else {
-      positions_.pop_back();
-    }
+    if (!used) return;
+    ordering_->AddElementToGroup(position, 0);
+    positions_.emplace_back(point.id, position);
   }
 
   /// Two views and no direction leave a line free to be anything: it stays out.
   void AddLine(const MapLine& line, const KeyframeStore& store, const Map& map) {
     if (line.observations.size() < 3 && line.axis < 0) return;
-    double* parameters =
-        lines_.emplace_back(line.id, ToLineParameters(line.start, line.end)).second.data();
+    const LineParameters initial = ToLineParameters(line.start, line.end);
+    double* parameters = Allocate(initial.data(), initial.size());
     bool used = false;
     for (const Observation& o : line.observations) {
       const auto pose = poses_.find(o.keyframe);
@@ -135,10 +143,8 @@ class Adjustment {
       problem_.AddResidualBlock(&line_costs_.back(), &loss_, pose->second, parameters);
       used = true;
     }
-    if (!used) {
-      lines_.pop_back();
-      return;
-    }
+    if (!used) return;
+    lines_.emplace_back(line.id, parameters);
     if (line.axis >= 0 && map.WorldFromManhattan(line.map)) {
       direction_costs_.emplace_back(AxisDirection(line.axis, line.map, map),
                                     options_.direction_sigma_deg * std::numbers::pi / 180);
@@ -186,8 +192,9 @@ class Adjustment {
   // the blocks lie one after the other by id, wherever the heap happens to have room.
   std::vector<PoseParameters> pose_storage_;
   std::map<KeyframeId, double*> poses_;
-  std::vector<std::pair<PointId, Eigen::Vector3d>> positions_;
-  std::vector<std::pair<LineId, LineParameters>> lines_;
+  std::vector<double> landmark_storage_;
+  std::vector<std::pair<PointId, double*>> positions_;
+  std::vector<std::pair<LineId, double*>> lines_;
   std::set<LineId> held_lines_;  ///< to their axes
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;

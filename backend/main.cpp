@@ -9,6 +9,7 @@
 
 #include "backend/backend_process.h"
 #include "backend/mapper.h"
+#include "core/base/priority.h"
 #include "core/base/settings.h"
 #include "core/transport/process.h"
 
@@ -28,6 +29,9 @@ int main(int argc, char** argv) {
     const auto settings = LoadSettings<MapperOptions>(config, "backend", overrides);
     spdlog::info("settings: {}", PrintSettings(settings));
     cv::setNumThreads(1);  // results must not depend on the number of cores
+    // Beside the tracker, mapping takes what time that leaves. The thread that receives messages
+    // keeps its priority, and so does a run in which all wait for the map anyway.
+    if (options.pace != Pace::kLockstep) LowerPriorityOfThisThread();
     std::unique_ptr<Mapper> mapper;
     const auto make_mapper = [&](const Camera& camera) {
       mapper = std::make_unique<Mapper>(camera, settings);

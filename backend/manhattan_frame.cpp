@@ -49,6 +49,12 @@ void ManhattanFrame::Clear() {
   frame_.reset();
 }
 
+void ManhattanFrame::Absorb(const ManhattanFrame& other,
+                            const Eigen::Quaterniond& world_from_other_world) {
+  entries_.insert(other.entries_.begin(), other.entries_.end());
+  if (!frame_ && other.frame_) frame_ = (world_from_other_world * *other.frame_).normalized();
+}
+
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) return;
   const double min_sigma = options_.min_sigma_deg * kRadPerDeg;

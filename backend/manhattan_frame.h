@@ -33,6 +33,9 @@ class ManhattanFrame {
   /// Names, birth, mean and loss, with the keyframes of `map` where they are now.
   void Update(const Map& map);
   void Clear();
+  /// Takes up what `other` knows, whose map has become part of this one's. This frame stays, if
+  /// there is one.
+  void Absorb(const ManhattanFrame& other, const Eigen::Quaterniond& world_from_other_world);
 
   /// Set while the frame exists.
   const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }

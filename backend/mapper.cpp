@@ -1,5 +1,6 @@
 #include "backend/mapper.h"
 
+#include <map>
 #include <optional>
 
 #include "backend/culling.h"
@@ -9,6 +10,7 @@
 #include "backend/line_view.h"
 #include "backend/local_ba.h"
 #include "backend/manhattan_frame.h"
+#include "backend/map_joiner.h"
 #include "backend/map_starter.h"
 #include "backend/point_creator.h"
 #include "backend/point_fuser.h"
@@ -25,16 +27,15 @@ class Mapper::Impl {
         bounds_(camera.UndistortedBounds()),
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
-        manhattan_(options.manhattan),
         probation_(options.culling),
         line_probation_(options.lines) {}
 
   std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
     Stopwatch total;
     MappingTimes times;
+    if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
     switch (proposal.role) {
       case KeyframeRole::kMapFirst:
-        if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
         first_ = proposal;
         break;
       case KeyframeRole::kMapSecond:
@@ -42,7 +43,7 @@ class Mapper::Impl {
         first_.reset();
         break;
       case KeyframeRole::kRegular:
-        WorkIn(proposal, &times);
+        WorkIn(InPresentMap(proposal), &times);
         break;
     }
     times.total_ms = total.Lap_ms();
@@ -58,7 +59,7 @@ class Mapper::Impl {
     stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
     if (options_.lines.enabled) stored.lines = proposal.lines;
     ++keyframe_count_;
-    if (options_.manhattan.enabled) manhattan_.Add(proposal.id, proposal.lines);
+    if (options_.manhattan.enabled) Manhattan(proposal.map).Add(proposal.id, proposal.lines);
   }
 
   void Discard(MapId id) {
@@ -67,10 +68,10 @@ class Mapper::Impl {
       if (keyframe && keyframe->map == id) store_.erase(keyframe->id);
     }
     map_.EraseMap(id);
+    manhattan_.erase(id);
   }
 
   void Start(const KeyframeProposal& second) {
-    manhattan_.Clear();
     Store(*first_);
     Store(second);
     for (const PointId id :
@@ -86,8 +87,24 @@ class Mapper::Impl {
     }
   }
 
+  ManhattanFrame& Manhattan(MapId map) {
+    return manhattan_.try_emplace(map, options_.manhattan).first->second;
+  }
+
+  /// A frontend that has not heard of a merger yet speaks in coordinates of a map that is no more.
+  KeyframeProposal InPresentMap(const KeyframeProposal& proposal) const {
+    KeyframeProposal present = proposal;
+    for (auto at = mergers_.find(present.map); at != mergers_.end();
+         at = mergers_.find(present.map)) {
+      present.map = at->second.into;
+      present.cam_from_world = TransformWorld(present.cam_from_world, at->second.into_from);
+    }
+    return present;
+  }
+
   void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
     Stopwatch stopwatch;
+    ManhattanFrame& manhattan = Manhattan(proposal.map);
     Store(proposal);
     Insert(proposal);
     times->insertion_ms = stopwatch.Lap_ms();
@@ -109,14 +126,41 @@ class Mapper::Impl {
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
-    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan_, options_.ba,
+    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan, options_.ba,
                   options_.ba.max_iterations, &map_);
-    manhattan_.Update(map_);
-    map_.SetManhattan(proposal.map, manhattan_.world_from_manhattan());
+    manhattan.Update(map_);
+    map_.SetManhattan(proposal.map, manhattan.world_from_manhattan());
     times->local_ba_ms = stopwatch.Lap_ms();
 
     CullKeyframes(proposal.id, store_, options_.culling, &map_);
     times->keyframe_culling_ms = stopwatch.Lap_ms();
+    if (proposal.seam.map.IsValid()) Join(proposal);
+  }
+
+  void Join(const KeyframeProposal& proposal) {
+    const KeyframeId id = proposal.id;
+    const auto alignment =
+        AlignSeam(id, proposal.seam, camera_, scales_, store_, options_.merging, map_);
+    if (!alignment) return;
+    const Merger merger = JoinMaps(id, *alignment, map_.Resolve(proposal.seam.map), &map_);
+    ManhattanFrame& manhattan = Manhattan(merger.into);
+    manhattan.Absorb(Manhattan(merger.from), merger.into_from.rotation);
+    manhattan_.erase(merger.from);
+    manhattan.Update(map_);  // names
+    mergers_[merger.from] = merger;
+    std::vector<KeyframeId> around{id};
+    for (const auto& [other, shared] : map_.Covisible(id, options_.ba.min_shared_points)) {
+      if (static_cast<int>(around.size()) > options_.merging.neighbours_to_fuse) break;
+      around.push_back(other);
+    }
+    for (const KeyframeId keyframe : around) {
+      FusePoints(keyframe, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+    }
+    LocalBaOptions ba = options_.ba;
+    ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
+    AdjustLocally(id, camera_, scales_, store_, manhattan, ba, options_.merging.max_iterations,
+                  &map_);
+    SetBestParent(id);
   }
 
   void Insert(const KeyframeProposal& proposal) {
@@ -159,10 +203,11 @@ class Mapper::Impl {
   ScalePyramid scales_;
   Map map_;
   KeyframeStore store_;
-  ManhattanFrame manhattan_;  ///< of the map at work
+  std::map<MapId, ManhattanFrame> manhattan_;
   PointProbation probation_;
   LineProbation line_probation_;
   int keyframe_count_ = 0;
+  std::map<MapId, Merger> mergers_;  ///< by what was merged
   std::optional<KeyframeProposal> first_;
 };
 

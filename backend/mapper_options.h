@@ -145,6 +145,26 @@ struct ManhattanOptions {
   }
 };
 
+/// Two maps that turn out to show one place.
+struct MergingOptions {
+  int min_common_points = 20;   ///< that agree with the similarity between the maps
+  double min_share = 0.5;       ///< ... of those that look alike
+  double max_sigmas = 2;        ///< what the chi-square gate allows for: points err, too
+  int max_keyframes = 40;       ///< that bundle adjustment across the seam moves
+  int max_iterations = 20;      ///< of it
+  int neighbours_to_fuse = 10;  ///< of the seam, whose points are looked for in one another
+
+  template <class V>
+  void Visit(V& v) {
+    v("min_common_points", min_common_points);
+    v("min_share", min_share);
+    v("max_sigmas", max_sigmas);
+    v("max_keyframes", max_keyframes);
+    v("max_iterations", max_iterations);
+    v("neighbours_to_fuse", neighbours_to_fuse);
+  }
+};
+
 struct MapperOptions {
   OrbOptions orb;  ///< as the frontend's: number and factor of the pyramid's levels
   LocalBaOptions ba;
@@ -153,6 +173,7 @@ struct MapperOptions {
   LineMappingOptions lines;
   CullingOptions culling;
   ManhattanOptions manhattan;
+  MergingOptions merging;
 
   template <class V>
   void Visit(V& v) {
@@ -163,6 +184,7 @@ struct MapperOptions {
     v("lines", lines);
     v("culling", culling);
     v("manhattan", manhattan);
+    v("merging", merging);
   }
   std::optional<std::string> Validate() const;
 };

@@ -88,7 +88,7 @@ Result Measure(const std::string& program, const Camera& camera, const std::vect
   Inbox<ProcessStatus> statuses(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded);
   Inbox<LineSet> lines(bus, kLinesChannel, Inbox<LineSet>::kUnbounded);
   const CameraBeacon beacon(bus, camera);
-  LineSource source(bus, peers, LineSourceOptions::ForPace("lossless"));
+  LineSource source(bus, peers, LineSourceOptions::ForPace(Pace::kLossless));
   std::vector<std::unique_ptr<Child>> children;
   for (int i = 0; i < instances; ++i)
     children.push_back(std::make_unique<Child>(program, bus.url()));

@@ -25,9 +25,10 @@ struct Frame {
   std::vector<LineId> map_lines;         ///< per line; invalid where none is matched
   SE3 cam_from_world;
   Matrix6d covariance = Matrix6d::Zero();
-  KeyframeId reference;  ///< what the pose hangs on when the map is corrected
-  SE3 cam_from_reference;
-  int inliers = 0;  ///< points
+  KeyframeId reference;    ///< what the pose hangs on when the map is corrected
+  SE3 cam_from_reference;  ///< see Map::Place
+  double unit = 1;         ///< of the reference, when cam_from_world was set
+  int inliers = 0;         ///< points
   int line_inliers = 0;
   int matches = 0;
   TrackingTimes times;

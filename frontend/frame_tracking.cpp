@@ -133,4 +133,25 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
   return frame->inliers;
 }
 
+bool HangOn(const Map& map, KeyframeId reference, Frame* frame) {
+  frame->reference = reference;
+  if (!map.Hang(reference, frame->cam_from_world, &frame->cam_from_reference)) return false;
+  frame->unit = map.FindEvenCulled(reference)->unit;
+  return true;
+}
+
+bool FollowMap(const Map& map, Frame* frame, SE3* velocity) {
+  if (!map.Place(frame->reference, frame->cam_from_reference, &frame->cam_from_world)) return false;
+  const Keyframe& reference = *map.FindEvenCulled(frame->reference);
+  if (velocity) velocity->translation *= reference.unit / frame->unit;
+  frame->unit = reference.unit;
+  // A frame that became a keyframe was given new points since.
+  if (!reference.culled && reference.frame_seq == frame->seq) {
+    frame->points = reference.points;
+    frame->points.resize(frame->features.size());
+    frame->map_lines = reference.lines;
+  }
+  return true;
+}
+
 }  // namespace vpslam

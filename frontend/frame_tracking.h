@@ -37,4 +37,12 @@ PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vect
 int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options, Frame* frame,
                   const std::optional<RotationMeasurement>& rotation = {});
 
+/// Lets the frame's pose hang on `reference`. False if the map does not have that keyframe.
+bool HangOn(const Map& map, KeyframeId reference, Frame* frame);
+
+/// The map has changed: the frame moves with the keyframe that it hangs on and, if it has become a
+/// keyframe itself, has that one's points. `velocity` (of cameras, may be nullptr) keeps up with
+/// the map's unit of length. False if the keyframe is not there (any more).
+bool FollowMap(const Map& map, Frame* frame, SE3* velocity);
+
 }  // namespace vpslam

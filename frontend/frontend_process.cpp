@@ -21,10 +21,21 @@ constexpr std::chrono::milliseconds kRequestPeriod{500};
 constexpr std::chrono::hours kForever{24 * 365};
 constexpr int kFeaturesWindow = 4;  // of some 60 kB
 
-StreamWriterOptions Window(int window) {
+/// Images that wait in realtime; beyond that the oldest is dropped. A hitch of 0.1 s costs none.
+constexpr std::size_t kRealtimeQueue = 3;
+/// Keyframes under work in lossless, before the next image waits.
+constexpr std::size_t kLosslessUnanswered = 2;
+
+StreamWriterOptions Window(int window, bool drop_oldest = false) {
   StreamWriterOptions options;
   options.window = window;
+  options.drop_oldest = drop_oldest;
   return options;
+}
+
+/// An answer, or a snapshot, is taken up as a whole: the map makes no sense in between.
+bool IsComplete(const MapDelta& part) {
+  return part.answers.IsValid() || (part.version >= 0 && (part.snapshot || part.base_version < 0));
 }
 
 double ElapsedMs(int64_t since_us) {
@@ -35,31 +46,35 @@ double ElapsedMs(int64_t since_us) {
 
 FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                                  const std::vector<std::string>& required, MakeTracker make_tracker,
-                                 const std::optional<LineSourceOptions>& lines,
+                                 const std::optional<LineSourceOptions>& lines, Pace pace,
                                  const FrontendStreams& streams)
     : bus_(bus),
       peers_(peers),
       status_(status),
       required_(required),
+      pace_(pace),
       make_tracker_(std::move(make_tracker)),
       always_preview_(streams.always_preview),
       camera_(bus),
       lines_(lines ? std::make_unique<LineSource>(bus, peers, *lines) : nullptr),
       deltas_(bus, kMapChannel, kName, AckPolicy::kOnReceipt),
-      poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required), Window(64)),
+      poses_(bus, kPoseChannel, RequiredConsumers(kPoseConsumers, required),
+             Window(64, pace == Pace::kRealtime)),
       keyframes_(bus, kKeyframeChannel,
                  AndRecorderIf(streams.recorded, RequiredConsumers(kKeyframeConsumers, required)),
                  Window(2)),
       requests_(bus, kMapRequestChannel) {
+  const std::size_t capacity = pace == Pace::kRealtime ? kRealtimeQueue : Images::kUnbounded;
   if (streams.take_features) {
-    replayed_ =
-        std::make_unique<ReplayedFeatures>(bus, kFeaturesChannel, kName, AckPolicy::kWhenDone);
+    replayed_ = std::make_unique<ReplayedFeatures>(bus, kFeaturesChannel, kName,
+                                                   AckPolicy::kWhenDone, capacity);
     return;
   }
-  images_ = std::make_unique<Images>(bus, kImageChannel, kName, AckPolicy::kWhenDone);
+  images_ = std::make_unique<Images>(bus, kImageChannel, kName, AckPolicy::kWhenDone, capacity);
   if (streams.recorded) {
     features_ = std::make_unique<StreamWriter<FrameFeatures>>(
-        bus, kFeaturesChannel, AndRecorderIf(true, {}), Window(kFeaturesWindow));
+        bus, kFeaturesChannel, AndRecorderIf(true, {}),
+        Window(kFeaturesWindow, pace == Pace::kRealtime));
   }
 }
 
@@ -78,15 +93,19 @@ void FrontendProcess::Run() {
 
 template <class T>
 bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
+  const auto news = [&] {
+    return frames.HasNews() || (pace_ != Pace::kLockstep && deltas_.HasMessage());
+  };
   while (true) {
-    if (!peers_.WaitFor([&] { return frames.HasNews(); }, {kPlayer})) return false;
+    if (!peers_.WaitFor(news, {kPlayer})) return false;
     status_.SetQueued(static_cast<int64_t>(frames.size()));
     if (frames.Ended()) return true;
-    const auto item = frames.TryTake();
-    if (!item) continue;
-    if (!Process(*item)) return false;
-    frames.Done(item->header);
-    status_.AddProcessed();
+    if (const auto item = frames.TryTake()) {
+      if (!Process(*item)) return false;
+      frames.Done(item->header);
+      status_.AddProcessed();
+    }
+    if (pace_ != Pace::kLockstep) TakeWhatCame();
   }
 }
 
@@ -111,7 +130,7 @@ bool FrontendProcess::Process(const Images::Item& item) {
     }
     return features.lines.get();
   };
-  Tracker::Output output = tracker_->track(features, get_lines);
+  Tracker::Output output = Track(features, get_lines);
   get_lines();  // not before they are there is a detector done with the image's slot
   if (bus_.interrupted()) return false;
   OfferPreview(features, image->pixels);
@@ -122,9 +141,16 @@ bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
   const FrameFeatures& features = item.value;
   Waits waits;
   waits.transport_ms = ElapsedMs(features.published_us);
-  Tracker::Output output = tracker_->track(features, [&] { return features.lines.get(); });
+  Tracker::Output output = Track(features, [&] { return features.lines.get(); });
   OfferPreview(features, cv::Mat());
   return Publish(&output, features, waits);
+}
+
+Tracker::Output FrontendProcess::Track(const FrameFeatures& features, const GetLines& lines) {
+  if (tracker_->set_unanswered) {
+    tracker_->set_unanswered(static_cast<int>(unanswered_.size()));
+  }
+  return tracker_->track(features, lines);
 }
 
 void FrontendProcess::OfferPreview(const FrameFeatures& features, const cv::Mat& image) {
@@ -152,10 +178,18 @@ bool FrontendProcess::Publish(Tracker::Output* output, const FrameFeatures& feat
   if (!SendPoses(output->poses)) return false;
   for (const KeyframeProposal& keyframe : output->keyframes) {
     if (!keyframes_.Send(keyframe)) return false;
+    unanswered_.push_back(keyframe.id);
   }
   // Behind what others wait for, and while the backend works.
   if (features_ && !features_->Send(features)) return false;
-  return output->keyframes.empty() || WaitForAnswer(output->keyframes.back().id);
+  return output->keyframes.empty() || WaitUntilMapFollows(output->keyframes);
+}
+
+bool FrontendProcess::WaitUntilMapFollows(const std::vector<KeyframeProposal>& proposed) {
+  // Without the first views of a map there is nothing to track in.
+  const bool is_start = proposed.back().role != KeyframeRole::kRegular;
+  if (pace_ == Pace::kLockstep || is_start) return WaitForAnswers(0);
+  return pace_ == Pace::kRealtime || WaitForAnswers(kLosslessUnanswered - 1);
 }
 
 bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
@@ -174,17 +208,32 @@ bool FrontendProcess::CatchUp() {
   return TakeDeltasUntil([this] { return !resyncing_; });
 }
 
-bool FrontendProcess::WaitForAnswer(KeyframeId keyframe) {
-  return TakeDeltasUntil([&] { return answered_ == keyframe && !resyncing_; });
+bool FrontendProcess::WaitForAnswers(size_t max_unanswered) {
+  return TakeDeltasUntil([&] { return unanswered_.size() <= max_unanswered && !resyncing_; });
+}
+
+void FrontendProcess::AskForSnapshot() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!resyncing_ || now < next_request_) return;
+  requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
+  next_request_ = now + kRequestPeriod;
+}
+
+void FrontendProcess::TakeWhatCame() {
+  while (auto item = deltas_.TryTake()) {
+    parts_.push_back(std::move(*item));
+    if (!IsComplete(parts_.back().value)) continue;
+    for (const auto& part : parts_) TakeUp(part);
+    parts_.clear();
+  }
+  AskForSnapshot();
+  if (!unanswered_.empty()) CheckBackend();
 }
 
 bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
-  auto next_request = std::chrono::steady_clock::now();
+  for (const auto& part : std::exchange(parts_, {})) TakeUp(part);
   while (!enough()) {
-    if (resyncing_ && std::chrono::steady_clock::now() >= next_request) {
-      requests_.Publish({kName, std::max<int64_t>(tracker_->map_version(), 0)});
-      next_request = std::chrono::steady_clock::now() + kRequestPeriod;
-    }
+    AskForSnapshot();
     if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
       if (bus_.interrupted()) return false;
       CheckBackend();
@@ -208,7 +257,7 @@ void FrontendProcess::CheckBackend() {
 
 void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
   const MapDelta& delta = item.value;
-  if (delta.answers.IsValid()) answered_ = delta.answers;
+  while (!unanswered_.empty() && unanswered_.front() <= delta.answers) unanswered_.pop_front();
   newest_version_ = std::max(newest_version_, delta.version);
   if (resyncing_) {
     // Deltas are refused until the snapshot begins, and fit one another from there on. The replica
@@ -227,7 +276,7 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
 }
 
 bool FrontendProcess::Finish() {
-  if (!SendPoses(tracker_->finish().poses)) return false;
+  if (!WaitForAnswers(0) || !SendPoses(tracker_->finish().poses)) return false;
   if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
   if (features_ && (!features_->SendEnd() || !features_->WaitAllAcked(kForever))) return false;
   if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;

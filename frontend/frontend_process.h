@@ -4,15 +4,19 @@
 //
 // Lockstep: after a keyframe was proposed, the next image waits until the deltas up to the
 // backend's answer were applied. So the tracker sees images and deltas in one order, whatever the
-// timing.
+// timing. At the other paces the backend works beside the tracker, and answers are applied as they
+// come, each as a whole, between images.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "core/base/pace.h"
 #include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
@@ -42,8 +46,11 @@ struct TrackerCalls {
   std::function<bool(const MapDelta&)> apply;
   std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
-  std::function<std::vector<Eigen::Vector2f>()> tracked_points =
-      {};  ///< for previews; may be empty
+  /// Called before `track` with the number of keyframes that the backend has not answered; may be
+  /// empty.
+  std::function<void(int)> set_unanswered = {};
+  /// For previews; may be empty.
+  std::function<std::vector<Eigen::Vector2f>()> tracked_points = {};
 };
 
 /// Called once, when the camera is known.
@@ -62,7 +69,7 @@ class FrontendProcess {
   FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                   const std::vector<std::string>& required, MakeTracker make_tracker,
                   const std::optional<LineSourceOptions>& lines = std::nullopt,
-                  const FrontendStreams& streams = {});
+                  Pace pace = Pace::kLockstep, const FrontendStreams& streams = {});
 
   /// Until the stream of images has ended and everything is acknowledged, or the bus is
   /// interrupted. Throws PeerGoneError.
@@ -81,13 +88,17 @@ class FrontendProcess {
     double transport_ms = kNotRun;
     double for_lines_ms = kNotRun;
   };
+  Tracker::Output Track(const FrameFeatures& features, const GetLines& lines);
   void OfferPreview(const FrameFeatures& features, const cv::Mat& image);
   bool Publish(Tracker::Output* output, const FrameFeatures& features, const Waits& waits);
   bool Finish();
   bool SendPoses(const std::vector<FramePose>& poses);
   /// Takes the map over, if there is one already.
   bool CatchUp();
-  bool WaitForAnswer(KeyframeId keyframe);
+  bool WaitUntilMapFollows(const std::vector<KeyframeProposal>& proposed);
+  bool WaitForAnswers(size_t max_unanswered);
+  void TakeWhatCame();
+  void AskForSnapshot();
   bool TakeDeltasUntil(const std::function<bool()>& enough);
   void CheckBackend();
   void TakeUp(const StreamReader<MapDelta>::Item& item);
@@ -96,6 +107,7 @@ class FrontendProcess {
   Peers& peers_;
   StatusReporter& status_;
   const std::vector<std::string> required_;
+  const Pace pace_;
   const MakeTracker make_tracker_;
   const bool always_preview_;
   std::optional<TrackerCalls> tracker_;
@@ -112,9 +124,11 @@ class FrontendProcess {
   std::unique_ptr<StreamWriter<FrameFeatures>> features_;  ///< where they are recorded
   Publisher<MapRequest> requests_;
 
-  KeyframeId answered_;         ///< last keyframe whose answer was seen
-  bool resyncing_ = false;      ///< the replica missed something and waits for a snapshot
-  int64_t newest_version_ = 0;  ///< of the map, as far as deltas told
+  std::deque<KeyframeId> unanswered_;                ///< proposed, without an answer yet
+  std::vector<StreamReader<MapDelta>::Item> parts_;  ///< of an answer that is not complete yet
+  bool resyncing_ = false;  ///< the replica missed something and waits for a snapshot
+  std::chrono::steady_clock::time_point next_request_;  ///< of that snapshot
+  int64_t newest_version_ = 0;                          ///< of the map, as far as deltas told
   std::optional<int64_t> backend_session_;
 };
 

@@ -1,5 +1,7 @@
 #include "frontend/keyframe_policy.h"
 
+#include <algorithm>
+
 namespace vpslam {
 namespace {
 
@@ -21,14 +23,18 @@ int TrackedLandmarks(const Map& map, KeyframeId id, size_t min_observations) {
 
 }  // namespace
 
-bool IsKeyframe(const Frame& frame, KeyframeId reference, int frames_since, const Map& map,
-                const KeyframePolicyOptions& options) {
-  if (frames_since < options.min_frames || frame.Support() < options.min_inliers) return false;
+bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
+                const Map& map, const KeyframePolicyOptions& options) {
+  const int support = frame.Support();
+  if (earlier.frames_since < options.min_frames || support < options.min_inliers) return false;
   const MapId map_id = map.Find(reference) ? map.Find(reference)->map : MapId();
   // A young map has no point with three observations yet.
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
-  return frame.Support() <
-         options.max_tracked_ratio * TrackedLandmarks(map, reference, min_observations);
+  const int tracked = TrackedLandmarks(map, reference, min_observations);
+  if (support >= options.max_tracked_ratio * tracked) return false;
+  const bool weak = support < options.weak_tracked_ratio * tracked;
+  return earlier.unanswered <
+         (weak ? options.max_unanswered_when_weak : std::max(1, options.max_unanswered));
 }
 
 }  // namespace vpslam

@@ -7,9 +7,14 @@
 
 namespace vpslam {
 
-/// `frames_since`: frames since the last keyframe. `reference`: the keyframe that shares most
-/// points with the frame.
-bool IsKeyframe(const Frame& frame, KeyframeId reference, int frames_since, const Map& map,
-                const KeyframePolicyOptions& options);
+/// What was proposed before.
+struct EarlierKeyframes {
+  int frames_since = 0;  ///< the last one
+  int unanswered = 0;    ///< how many the map does not have yet; 0 in lockstep
+};
+
+/// `reference`: the keyframe that shares most points with the frame.
+bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
+                const Map& map, const KeyframePolicyOptions& options);
 
 }  // namespace vpslam

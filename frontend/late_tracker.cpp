@@ -22,9 +22,17 @@ void LateTracker::Start(std::vector<Frame> frames, const Frame& first, int64_t s
       between.todo.push_back(std::move(frame));
     }
   }
-  walks_.clear();
   walks_.push_back(std::move(between));
   walks_.push_back(std::move(backwards));
+}
+
+void LateTracker::Return(std::vector<Frame> frames, const Frame& found) {
+  Walk back;
+  back.last = found;
+  for (Frame& frame : frames) {
+    if (frame.seq < found.seq) back.todo.push_front(std::move(frame));
+  }
+  walks_.push_back(std::move(back));
 }
 
 bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame* frame) const {
@@ -42,28 +50,17 @@ bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame*
   std::vector<PointId> visible;
   MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
   if (OptimizeFrame(context, options_.pose, frame) < options_.local_map.min_inliers) return false;
-  frame->reference = local.reference;
-  SE3 reference_from_world;
-  if (!context.map.CamFromWorld(frame->reference, &reference_from_world)) return false;
-  frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
-  return true;
+  return HangOn(context.map, local.reference, frame);
 }
 
 std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
   while (!walks_.empty() && walks_.front().todo.empty()) walks_.erase(walks_.begin());
   if (walks_.empty()) return std::nullopt;
   Walk& walk = walks_.front();
-  // The map moves while the walk goes on: the last frame moves with its reference.
-  SE3 reference_from_world;
-  if (!context.map.CamFromWorld(walk.last.reference, &reference_from_world)) {
+  // The map moves while the walk goes on.
+  if (!FollowMap(context.map, &walk.last, &walk.velocity)) {
     walk.todo.clear();
     return std::nullopt;
-  }
-  walk.last.cam_from_world = walk.last.cam_from_reference * reference_from_world;
-  if (const Keyframe* keyframe = context.map.Find(walk.last.reference);
-      keyframe && keyframe->frame_seq == walk.last.seq) {
-    walk.last.points = keyframe->points;
-    walk.last.points.resize(walk.last.features.size());
   }
   Frame frame = std::move(walk.todo.front());
   walk.todo.pop_front();

@@ -1,8 +1,9 @@
-// Places frames in the map that came before it: those before and between the two views from which
-// the map was started.
+// Places frames in a map that could not be placed when they came: those before and between the two
+// views from which the map was started, and those of a loss, back from where the camera was found.
 //
-// Walks from a keyframe frame by frame, backwards in time before it and forwards after it, with the
-// constant-velocity model and the local map, as live tracking does.
+// Walks from a keyframe, or from the frame that was found, frame by frame, backwards in time before
+// it and forwards after it, with the constant-velocity model and the local map, as live tracking
+// does.
 #pragma once
 
 #include <deque>
@@ -22,8 +23,9 @@ class LateTracker {
   /// `frames`: in order of time, from before the map stood. `first`: the frame that became the
   /// map's first keyframe, with `reference` set to it; `second_seq`: the frame of the second.
   void Start(std::vector<Frame> frames, const Frame& first, int64_t second_seq);
+  /// `frames`: in order of time, of a loss; those before `found`, which was placed, are tried.
+  void Return(std::vector<Frame> frames, const Frame& found);
   bool Busy() const { return !walks_.empty(); }
-  void Clear() { walks_.clear(); }
 
   /// Works on one frame; returns it if it could be placed.
   std::optional<Frame> Step(const TrackingContext& context);

@@ -14,9 +14,9 @@
 
 namespace vpslam {
 
-LineSourceOptions LineSourceOptions::ForPace(const std::string& pace) {
+LineSourceOptions LineSourceOptions::ForPace(Pace pace) {
   LineSourceOptions options;
-  if (pace == "realtime") {
+  if (pace == Pace::kRealtime) {
     options.dispatch.keep_all = false;
     options.dispatch.max_in_hand = 1;
     options.joiner.wait_for_all = false;

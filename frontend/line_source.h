@@ -6,8 +6,8 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <string>
 
+#include "core/base/pace.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/line_set.h"
 #include "core/messages/lines_request.h"
@@ -23,8 +23,8 @@ struct LineSourceOptions {
   LineDispatchOptions dispatch;
   LineJoinerOptions joiner;
 
-  /// What suits a pace: "realtime" goes on without lines that come late, others wait for them.
-  static LineSourceOptions ForPace(const std::string& pace);
+  /// What suits a pace: kRealtime goes on without lines that come late, others wait for them.
+  static LineSourceOptions ForPace(Pace pace);
 };
 
 /// Subscribed from its construction on.

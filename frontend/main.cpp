@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },
                           [&] { return tracker->map_version(); },
+                          [&](int keyframes) { tracker->SetUnanswered(keyframes); },
                           [&] { return tracker->TrackedPoints(); }};
     };
     streams.recorded = options.IsRecorded();
@@ -57,7 +58,7 @@ int main(int argc, char** argv) {
       lines = LineSourceOptions::ForPace(options.pace);
     }
     FrontendProcess frontend(process.bus, process.peers, process.status, options.required,
-                             make_tracker, lines, streams);
+                             make_tracker, lines, options.pace, streams);
     frontend.Run();
     return kExitOk;
   });

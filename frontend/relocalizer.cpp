@@ -4,11 +4,38 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/matcher.h"
 #include "core/geometry/pnp.h"
 #include "frontend/local_map.h"
 
 namespace vpslam {
 namespace {
+
+/// The frame's features against the points of a keyframe and of those that share most with it: one
+/// keyframe alone shows only part of what a camera nearby sees.
+int MatchPlace(const TrackingContext& context, KeyframeId keyframe_id, int neighbours,
+               Frame* frame) {
+  frame->points.assign(frame->features.size(), PointId());
+  std::vector<KeyframeId> keyframes{keyframe_id};
+  for (const auto& [other, shared] : context.map.Covisible(keyframe_id, 15)) {
+    if (static_cast<int>(keyframes.size()) > neighbours) break;
+    keyframes.push_back(other);
+  }
+  std::vector<uint8_t> seen(context.map.point_end(), 0);
+  std::vector<PointId> ids;
+  std::vector<Descriptor> descriptors;
+  for (const KeyframeId id : keyframes) {
+    for (const PointId point_id : context.map.Find(id)->points) {
+      const MapPoint* point = context.map.Find(point_id);
+      if (!point || std::exchange(seen[point_id.value], 1)) continue;
+      ids.push_back(point_id);
+      descriptors.push_back(point->descriptor);
+    }
+  }
+  const std::vector<Match> matches = MatchByDescriptor(descriptors, frame->features.descriptors);
+  for (const Match& m : matches) frame->points[m.second] = ids[m.first];
+  return static_cast<int>(matches.size());
+}
 
 /// A pose from the matches at hand, some of them wrong; wrong ones are taken away.
 bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* frame) {
@@ -31,36 +58,33 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
   return true;
 }
 
-/// The pose from a few matches may be crude: look farther around first.
-bool Refine(const TrackingContext& context, const TrackerOptions& options, Frame* frame) {
-  for (const double radius_factor : {4.0, 1.0}) {
-    const LocalMap local = CollectLocalMap(context.map, *frame, options.local_map);
-    std::vector<PointId> visible;
-    MatchLocalMap(context, local, options.local_map, radius_factor, frame, &visible);
-    if (OptimizeFrame(context, options.pose, frame) < options.motion.min_inliers) return false;
-  }
-  return frame->inliers >= options.local_map.min_inliers_after_loss;
-}
-
 }  // namespace
 
-bool Relocalize(const TrackingContext& context, MapId map, const RelocalizerOptions& options,
-                const TrackerOptions& tracking, std::mt19937_64& rng, Frame* frame) {
-  std::vector<std::pair<int, KeyframeId>> candidates;
-  for (int32_t i = 0; i < context.map.keyframe_end(); ++i) {
-    const KeyframeId id(i);
-    const Keyframe* keyframe = context.map.Find(id);
-    if (!keyframe || keyframe->map != map) continue;
-    const int matches = MatchKeyframe(context, id, frame);
-    if (matches >= options.min_matches) candidates.emplace_back(-matches, id);
+/// The pose from a few matches may be crude: look farther around first.
+bool Relocalizer::Refine(const TrackingContext& context, Frame* frame) const {
+  for (const double radius_factor : {4.0, 1.0}) {
+    const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
+    std::vector<PointId> visible;
+    MatchLocalMap(context, local, options_.local_map, radius_factor, frame, &visible);
+    if (OptimizeFrame(context, options_.pose, frame) < options_.motion.min_inliers) return false;
   }
-  std::sort(candidates.begin(), candidates.end());
-  if (static_cast<int>(candidates.size()) > options.max_candidates) {
-    candidates.resize(options.max_candidates);
-  }
-  for (const auto& [matches, id] : candidates) {
-    MatchKeyframe(context, id, frame);
-    if (SolvePose(context, rng, frame) && Refine(context, tracking, frame)) return true;
+  return frame->inliers >= options_.local_map.min_inliers_after_loss;
+}
+
+bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
+                           std::mt19937_64& rng, Frame* frame) const {
+  const RelocalizerOptions& options = options_.relocalizer;
+  return MatchPlace(context, keyframe, options.neighbours, frame) >= options.min_matches &&
+         SolvePose(context, rng, frame) && Refine(context, frame);
+}
+
+bool Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
+                       std::mt19937_64& rng, Frame* frame) {
+  index_.Update(context.map, except);
+  const auto places =
+      index_.Query(context.map, frame->features.descriptors, options_.relocalizer.max_candidates);
+  for (const auto& [keyframe, votes] : places) {
+    if (TryPlace(context, keyframe, rng, frame)) return true;
   }
   frame->ForgetMatches();
   return false;

@@ -1,22 +1,34 @@
-// Finds a lost frame in the map, without any idea of where it might be: features against the points
-// of keyframes, PnP, and then the local map.
+// Finds a lost frame in the maps, without any idea of where it might be: places that look like it
+// (core/map/place_index.h), features against the points there, PnP, and then the local map.
 #pragma once
 
 #include <random>
+#include <vector>
 
+#include "core/map/place_index.h"
 #include "frontend/frame.h"
 #include "frontend/frame_tracking.h"
 #include "frontend/tracker_options.h"
 
 namespace vpslam {
 
-struct RelocalizerOptions {
-  int min_matches = 15;    ///< between frame and keyframe
-  int max_candidates = 5;  ///< keyframes that are tried, those with most matches first
-};
+class Relocalizer {
+ public:
+  explicit Relocalizer(const TrackerOptions& options)
+      : options_(options), index_(options.relocalizer.places) {}
 
-/// On success the frame has its pose and its matches.
-bool Relocalize(const TrackingContext& context, MapId map, const RelocalizerOptions& options,
-                const TrackerOptions& tracking, std::mt19937_64& rng, Frame* frame);
+  /// In any map but those in `except` (ascending). On success the frame has its pose and its
+  /// matches; otherwise it has no matches.
+  bool Find(const TrackingContext& context, const std::vector<MapId>& except, std::mt19937_64& rng,
+            Frame* frame);
+
+ private:
+  bool TryPlace(const TrackingContext& context, KeyframeId keyframe, std::mt19937_64& rng,
+                Frame* frame) const;
+  bool Refine(const TrackingContext& context, Frame* frame) const;
+
+  TrackerOptions options_;
+  PlaceIndex index_;
+};
 
 }  // namespace vpslam

@@ -19,6 +19,7 @@
 #include "frontend/local_map.h"
 #include "frontend/relocalizer.h"
 #include "frontend/rotation_refinement.h"
+#include "frontend/seam_finder.h"
 
 namespace vpslam {
 namespace {
@@ -60,11 +61,14 @@ class Tracker::Impl {
         initializer_(camera_, scales_, options.initializer),
         late_(options),
         paper_rotation_(camera_, options_.rotation),
+        relocalizer_(options),
+        seams_(options.seams),
         rng_(seed) {}
 
   FrameFeatures Extract(const ImageFrame& image) {
     Stopwatch stopwatch;
-    const bool starting = state_ == TrackingState::kInitialising;
+    if (HasToTakeMapOver()) TakeMapOver();
+    const bool starting = state_ == TrackingState::kInitialising || WantsNewMap();
     FrameFeatures features;
     features.frame_seq = image.frame_seq;
     features.stamp_us = image.stamp_us;
@@ -77,10 +81,12 @@ class Tracker::Impl {
 
   Output Track(FrameFeatures features, const GetLines& get_lines) {
     Output output;
+    // Features of a log come without a call to Extract.
+    if (HasToTakeMapOver()) TakeMapOver();
     Frame frame = MakeFrame(std::move(features));
     const LineSet* lines = get_lines ? get_lines() : nullptr;
     if (lines) frame.lines = std::make_shared<const LineSet>(*lines);
-    if (state_ == TrackingState::kInitialising || OnProbation()) Remember(frame);
+    if (state_ != TrackingState::kTracking || on_probation_) Remember(frame);
     if (state_ == TrackingState::kInitialising) {
       TryToStart(frame, &output);
     } else {
@@ -94,12 +100,13 @@ class Tracker::Impl {
 
   Output Finish() {
     Output output;
-    if (state_ != TrackingState::kInitialising && !history_.empty()) PassProbation(&output);
+    if (on_probation_) PassProbation(&output);
     while (late_.Busy()) PlaceLateFrame(&output);
     return output;
   }
 
   int64_t map_version() const { return map_.version(); }
+  void SetUnanswered(int keyframes) { unanswered_ = keyframes; }
 
   std::vector<Eigen::Vector2f> TrackedPoints() const {
     std::vector<Eigen::Vector2f> tracked;
@@ -112,6 +119,8 @@ class Tracker::Impl {
   }
 
  private:
+  bool HasToTakeMapOver() const { return next_keyframe_ == 0 && map_.keyframe_end() > 0; }
+
   Frame MakeFrame(FrameFeatures features) {
     Stopwatch stopwatch;
     Frame frame;
@@ -138,14 +147,13 @@ class Tracker::Impl {
     const std::optional<InitialMap> initial = initializer_.Add(frame, rng_);
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     if (!initial) {
-      output->poses.push_back(ToPose(frame, TrackingState::kInitialising));
+      output->poses.push_back(ToPose(frame, state_));
       return;
     }
-    map_id_ = MapId(map_id_.value + 1);
+    map_id_ = MapId(next_map_++);
     KeyframeProposal first = MakeProposal(initial->first, NextKeyframeId(), map_id_);
     first.role = KeyframeRole::kMapFirst;
-    first.discarded_map = discarded_map_;
-    discarded_map_ = MapId();
+    first.discarded_map = std::exchange(discarded_map_, MapId());
     KeyframeProposal second = MakeProposal(initial->second, NextKeyframeId(), map_id_);
     second.role = KeyframeRole::kMapSecond;
     second.initial_points = initial->points;
@@ -166,15 +174,13 @@ class Tracker::Impl {
     velocity_.reset();
     frames_since_keyframe_ = 0;
     sightings_.clear();
-    late_.Clear();
     paper_rotation_.Reset();
+    on_probation_ = true;
   }
-
-  bool OnProbation() const { return !history_.empty(); }
 
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
   void PassProbation(Output* output) {
-    if (history_.empty()) return;
+    on_probation_ = false;
     std::vector<Frame> frames(history_.begin(), history_.end());
     history_.clear();
     FramePose pose = ToPose(first_, TrackingState::kTracking);
@@ -187,7 +193,12 @@ class Tracker::Impl {
   /// The map was started wrongly: try again, with a frame from before as reference.
   void GiveUpMap(const Frame& frame, Output* output) {
     discarded_map_ = map_id_;
-    state_ = TrackingState::kInitialising;
+    on_probation_ = false;
+    const std::vector<MapId> maps = map_.Maps();
+    const auto other =
+        std::find_if(maps.rbegin(), maps.rend(), [this](MapId id) { return id != discarded_map_; });
+    state_ = other == maps.rend() ? TrackingState::kInitialising : TrackingState::kLost;
+    if (other != maps.rend()) map_id_ = *other;
     last_.reset();
     velocity_.reset();
     initializer_.Reset();
@@ -200,17 +211,60 @@ class Tracker::Impl {
     TryToStart(again, output);
   }
 
+  // ---- Losing the camera, and finding it again ----
+
+  /// Another frontend made the map that is there already: this one was started late, or again.
+  void TakeMapOver() {
+    next_keyframe_ = map_.keyframe_end();
+    next_map_ = map_.map_end();
+    map_id_ = map_.Maps().empty() ? MapId() : map_.Maps().back();
+    state_ = map_id_.IsValid() ? TrackingState::kLost : TrackingState::kInitialising;
+    frames_lost_ = 0;
+  }
+
+  bool WantsNewMap() const {
+    return state_ == TrackingState::kLost && frames_lost_ >= options_.relocalizer.frames_to_new_map;
+  }
+
+  void Lose(Frame& frame, Output* output) {
+    if (state_ == TrackingState::kTracking) {
+      frames_lost_ = 0;
+      initializer_.Reset();
+      history_.clear();
+      Remember(frame);
+    }
+    state_ = TrackingState::kLost;
+    last_.reset();
+    velocity_.reset();
+    frame.ForgetMatches();
+    frame.covariance.setZero();
+    if (WantsNewMap()) return TryToStart(frame, output);
+    ++frames_lost_;
+    output->poses.push_back(ToPose(frame, state_));
+  }
+
+  void Return(const Frame& frame) {
+    map_id_ = map_.Find(frame.reference)->map;
+    late_.Return({history_.begin(), history_.end()}, frame);
+    history_.clear();
+    initializer_.Reset();
+    paper_rotation_.Reset();
+  }
+
   // ---- Tracking ----
 
   void TrackInMap(Frame frame, Output* output) {
     Stopwatch stopwatch;
-    MoveLastWithMap();
+    if (const MapId present = map_.Resolve(map_id_); present != map_id_) {
+      map_id_ = present;
+      paper_rotation_.Reset();  // it knows the world of the map that is no more
+    }
+    if (last_) FollowMap(map_, &*last_, velocity_ ? &*velocity_ : nullptr);
     bool placed = state_ == TrackingState::kTracking && last_ &&
                   (TrackWithMotion(&frame) || TrackWithKeyframe(&frame));
     bool relocalized = false;
-    if (!placed && !OnProbation()) {
-      relocalized = placed =
-          Relocalize(context_, map_id_, RelocalizerOptions(), options_, rng_, &frame);
+    if (!placed && !on_probation_) {
+      relocalized = placed = relocalizer_.Find(context_, {discarded_map_}, rng_, &frame);
     }
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;
@@ -218,16 +272,19 @@ class Tracker::Impl {
     frame.times.local_map_ms = stopwatch.Lap_ms();
     ++frames_since_keyframe_;
     if (!placed) {
-      if (OnProbation()) return GiveUpMap(frame, output);
-      state_ = TrackingState::kLost;
-      last_.reset();
-      velocity_.reset();
-      output->poses.push_back(ToPose(frame, state_));
-      return;
+      if (on_probation_) return GiveUpMap(frame, output);
+      return Lose(frame, output);
     }
+    if (relocalized) Return(frame);
     state_ = TrackingState::kTracking;
-    if (IsKeyframe(frame, local.reference, frames_since_keyframe_, map_, options_.keyframes)) {
+    const auto seam =
+        on_probation_ || relocalized
+            ? std::nullopt
+            : seams_.Look(context_, frame, map_id_, discarded_map_, rng_, &relocalizer_);
+    if (seam || IsKeyframe(frame, local.reference, {frames_since_keyframe_, unanswered_}, map_,
+                           options_.keyframes)) {
       Propose(&frame, output);
+      if (seam) output->keyframes.back().seam = *seam;
     }
     output->poses.push_back(ToPose(frame, state_));
     if (!output->keyframes.empty()) output->poses.back().keyframe = frame.reference;
@@ -237,23 +294,8 @@ class Tracker::Impl {
       velocity_.reset();
     }
     Accept(std::move(frame));
-    if (OnProbation() && map_.NumKeyframes(map_id_) >= options_.probation_keyframes) {
+    if (on_probation_ && map_.NumKeyframes(map_id_) >= options_.probation_keyframes) {
       PassProbation(output);
-    }
-  }
-
-  /// Bundle adjustment moved the keyframe that the last frame hangs on: so moves the frame.
-  void MoveLastWithMap() {
-    if (!last_) return;
-    SE3 reference_from_world;
-    if (!map_.CamFromWorld(last_->reference, &reference_from_world)) return;
-    last_->cam_from_world = last_->cam_from_reference * reference_from_world;
-    // A frame that became a keyframe was given new points since.
-    const Keyframe* keyframe = map_.Find(last_->reference);
-    if (keyframe && keyframe->frame_seq == last_->seq) {
-      last_->points = keyframe->points;
-      last_->points.resize(last_->features.size());
-      last_->map_lines = keyframe->lines;
     }
   }
 
@@ -274,7 +316,8 @@ class Tracker::Impl {
 
   bool TrackWithKeyframe(Frame* frame) {
     frame->cam_from_world = last_->cam_from_world;
-    const KeyframeId keyframe = map_.LivingAncestor(last_->reference);
+    KeyframeId keyframe = map_.LivingAncestor(last_->reference);
+    if (!keyframe.IsValid()) keyframe = map_.LivingAncestor(reference_in_map_);
     if (MatchKeyframe(context_, keyframe, frame) < options_.motion.min_matches) return false;
     OptimizeFrame(context_, options_.pose, frame);
     return frame->Support() >= options_.motion.min_inliers;
@@ -292,11 +335,8 @@ class Tracker::Impl {
     for (const PointId id : frame->points) {
       if (id.IsValid()) ++sightings_[id].found;
     }
-    frame->reference = local->reference;
-    SE3 reference_from_world;
-    if (!map_.CamFromWorld(frame->reference, &reference_from_world)) return false;
-    frame->cam_from_reference = frame->cam_from_world * reference_from_world.Inverse();
-    return true;
+    reference_in_map_ = local->reference;
+    return HangOn(map_, local->reference, frame);
   }
 
   std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const {
@@ -324,6 +364,7 @@ class Tracker::Impl {
 
   void Propose(Frame* frame, Output* output) {
     KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId(), map_id_);
+    proposal.discarded_map = std::exchange(discarded_map_, MapId());
     for (const auto& [id, counts] : sightings_) {
       proposal.sightings.push_back({id, counts.visible, counts.found});
     }
@@ -331,6 +372,7 @@ class Tracker::Impl {
     frames_since_keyframe_ = 0;
     frame->reference = proposal.id;
     frame->cam_from_reference = SE3();
+    frame->unit = 1;
     output->keyframes.push_back(std::move(proposal));
   }
 
@@ -344,6 +386,7 @@ class Tracker::Impl {
     if (!frame) return;
     output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
     output->poses.back().live = false;
+    output->poses.back().map = map_.FindEvenCulled(frame->reference)->map;
   }
 
   KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }
@@ -380,18 +423,26 @@ class Tracker::Impl {
   Initializer initializer_;
   LateTracker late_;
   PaperRotation paper_rotation_;
+  Relocalizer relocalizer_;
+  SeamFinder seams_;
   std::mt19937_64 rng_;
 
   TrackingState state_ = TrackingState::kInitialising;
   MapId map_id_;
-  MapId discarded_map_;  ///< to be told to the backend with the next map
-  int32_t next_keyframe_ = 0;
+  MapId discarded_map_;        ///< to be told to the backend with the next keyframe
+  bool on_probation_ = false;  ///< the map is young: it may have been started wrongly
+  int frames_lost_ = 0;
+  int32_t next_map_ = 0, next_keyframe_ = 0;
   int frames_since_keyframe_ = 0;
+  int unanswered_ = 0;
   std::optional<Frame> last_;    ///< the last frame, while tracking
+  KeyframeId reference_in_map_;  ///< of the last frame, where that became a keyframe itself
   std::optional<SE3> velocity_;  ///< this frame's camera from the last one's
   std::map<PointId, SightingCounts> sightings_;
-  std::deque<Frame> history_;  ///< frames since before the map, until it has passed its probation
-  Frame first_;                ///< that became the map's first keyframe
+  /// Frames that may be placed later: since before the map, until it has passed its probation;
+  /// since the camera was lost.
+  std::deque<Frame> history_;
+  Frame first_;  ///< that became the map's first keyframe
   int64_t second_seq_ = 0;
 };
 
@@ -414,6 +465,7 @@ Tracker::Output Tracker::Track(FrameFeatures features, const GetLines& lines) {
 }
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }
+void Tracker::SetUnanswered(int keyframes) { impl_->SetUnanswered(keyframes); }
 int64_t Tracker::map_version() const { return impl_->map_version(); }
 std::vector<Eigen::Vector2f> Tracker::TrackedPoints() const { return impl_->TrackedPoints(); }
 

@@ -58,6 +58,10 @@ class Tracker {
   /// Where the last frame shows points of the map, in undistorted px; empty if it was not tracked.
   std::vector<Eigen::Vector2f> TrackedPoints() const;
 
+  /// Keyframes that were proposed and are not in the map yet, when the next image is tracked. With
+  /// some of them under way, fewer are proposed. 0 in lockstep.
+  void SetUnanswered(int keyframes);
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -7,6 +7,7 @@
 #include "core/estimation/pose_optimizer.h"
 #include "core/features/orb_extractor.h"
 #include "core/geometry/two_view.h"
+#include "core/map/place_index.h"
 
 namespace vpslam {
 
@@ -118,17 +119,58 @@ struct VpRotationOptions {
   }
 };
 
+/// What to do when the camera is lost.
+struct RelocalizerOptions {
+  PlaceIndexOptions places;
+  int max_candidates = 3;  ///< places that are tried, those with most votes first
+  int neighbours = 5;      ///< keyframes taken together with the one that was named
+  int min_matches = 15;    ///< between frame and place
+  /// Frames that the camera is lost before a new map is begun; the old one stays.
+  int frames_to_new_map = 30;
+
+  template <class V>
+  void Visit(V& v) {
+    v("places", places);
+    v("max_candidates", max_candidates);
+    v("neighbours", neighbours);
+    v("min_matches", min_matches);
+    v("frames_to_new_map", frames_to_new_map);
+  }
+};
+
+/// Search for other maps in what is tracked in one.
+struct SeamOptions {
+  int interval_frames = 5;              ///< between two searches
+  int interval_after_seam_frames = 15;  ///< the backend may find it unfit
+  int min_common = 20;                  ///< features that show points of both maps
+
+  template <class V>
+  void Visit(V& v) {
+    v("interval_frames", interval_frames);
+    v("interval_after_seam_frames", interval_after_seam_frames);
+    v("min_common", min_common);
+  }
+};
+
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
   double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
   int min_frames = 1;              ///< since the last keyframe
   int min_inliers = 15;
+  /// Where the backend works beside the tracker: with as many keyframes under work, further ones
+  /// are left out. With tracking weak, up to max_unanswered_when_weak may be.
+  int max_unanswered = 1;
+  int max_unanswered_when_weak = 2;
+  double weak_tracked_ratio = 0.5;  ///< of the reference keyframe's points
 
   template <class V>
   void Visit(V& v) {
     v("max_tracked_ratio", max_tracked_ratio);
     v("min_frames", min_frames);
     v("min_inliers", min_inliers);
+    v("max_unanswered", max_unanswered);
+    v("max_unanswered_when_weak", max_unanswered_when_weak);
+    v("weak_tracked_ratio", weak_tracked_ratio);
   }
 };
 
@@ -142,6 +184,8 @@ struct TrackerOptions {
   VpRotationOptions rotation;
   TranslationMode translation = TranslationMode::kOff;
   KeyframePolicyOptions keyframes;
+  RelocalizerOptions relocalizer;
+  SeamOptions seams;
   PoseOptimizerOptions pose;
   /// A map that is lost before it has as many keyframes was started wrongly, and is given up.
   int probation_keyframes = 6;
@@ -160,6 +204,8 @@ struct TrackerOptions {
     v("rotation", rotation);
     v("translation", translation);
     v("keyframes", keyframes);
+    v("relocalizer", relocalizer);
+    v("seams", seams);
     v("pose", pose);
     v("probation_keyframes", probation_keyframes);
     v("max_buffered_frames", max_buffered_frames);

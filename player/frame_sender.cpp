@@ -9,27 +9,27 @@
 #include "core/transport/clock.h"
 #include "core/transport/image_message.h"
 #include "core/transport/image_pool.h"
-#include "core/transport/stream_writer.h"
 
 namespace vpslam {
 namespace {
 
-/// One frame on its way at a time: the next goes out when all consumers are done with it.
-constexpr int kWindow = 1;
+constexpr int kLosslessWindow = 4;
+/// In realtime a slot is used again after so many images, whether or not they were looked at.
+/// Readers copy an image when they take it up, and drop what waits longer than this.
+constexpr int kRealtimeSlots = 12;
 
-StreamWriterOptions Lockstep() {
-  StreamWriterOptions options;
-  options.window = kWindow;
-  return options;
+int Slots(Pace pace) {
+  return pace == Pace::kRealtime ? kRealtimeSlots : FrameWindow(pace).window + 1;
 }
 
 /// What images and features have in common.
 template <class T>
 class StreamSender : public FrameSender {
  public:
-  StreamSender(Bus& bus, const char* channel, const std::vector<std::string>& consumers)
-      : stream_(bus, channel, consumers, Lockstep()) {}
+  StreamSender(Bus& bus, const char* channel, const std::vector<std::string>& consumers, Pace pace)
+      : stream_(bus, channel, consumers, FrameWindow(pace)) {}
 
+  bool HasRoom() const override { return stream_.HasRoom(); }
   bool SendEnd() override { return stream_.SendEnd(); }
   bool WaitAllAcked(std::chrono::milliseconds timeout) override {
     return stream_.WaitAllAcked(timeout);
@@ -44,9 +44,10 @@ class ImageSender : public StreamSender<ImageMessage> {
   ImageSender(Bus& bus, const Camera& camera, const PlayOptions& options)
       : StreamSender(bus, kImageChannel,
                      AndRecorderIf(options.record == "all",
-                                   RequiredConsumers(kImageConsumers, options.required))) {
+                                   RequiredConsumers(kImageConsumers, options.required)),
+                     options.pace) {
     if (options.inline_pixels) return;
-    pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), kWindow + 1,
+    pool_ = std::make_unique<ImagePool>(ImageSegmentName(bus.session()), Slots(options.pace),
                                         static_cast<std::size_t>(camera.width) * camera.height);
   }
 
@@ -67,7 +68,8 @@ class ImageSender : public StreamSender<ImageMessage> {
 class FeatureSender : public StreamSender<FrameFeatures> {
  public:
   FeatureSender(Bus& bus, const PlayOptions& options)
-      : StreamSender(bus, kFeaturesChannel, RequiredConsumers(kImageConsumers, options.required)) {}
+      : StreamSender(bus, kFeaturesChannel, RequiredConsumers(kImageConsumers, options.required),
+                     options.pace) {}
 
   bool Send(const SourceFrame& frame, int64_t frame_seq) override {
     FrameFeatures features = *frame.features;
@@ -80,6 +82,13 @@ class FeatureSender : public StreamSender<FrameFeatures> {
 };
 
 }  // namespace
+
+StreamWriterOptions FrameWindow(Pace pace) {
+  StreamWriterOptions options;
+  options.window = pace == Pace::kLossless ? kLosslessWindow : 1;
+  options.drop_oldest = pace == Pace::kRealtime;
+  return options;
+}
 
 std::unique_ptr<FrameSender> MakeFrameSender(Bus& bus, const ImageSource& source,
                                              const PlayOptions& options) {

@@ -30,6 +30,7 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
     process.bus.Notify();
   });
   source_options.tell = [](const std::string& line) { spdlog::warn("{}", line); };
+  play_options.pace = process.options.pace;
   play_options.required = process.options.required;
   play_options.record = process.options.record;
 

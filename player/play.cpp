@@ -15,9 +15,11 @@
 #include "core/transport/camera_link.h"
 #include "core/transport/channels.h"
 #include "core/transport/inbox.h"
+#include "core/transport/receive_buffer.h"
 #include "core/transport/stream_writer.h"
 #include "player/frame_sender.h"
 #include "player/play_control.h"
+#include "player/tempo.h"
 
 namespace vpslam {
 namespace {
@@ -41,8 +43,10 @@ class Player {
         stop_(stop),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         camera_(bus, source.camera()),
-        truths_(bus, kTruthChannel, AndRecorderIf(options.record != "none", {}), TruthWindow()),
-        frames_(MakeFrameSender(bus, source, options)) {}
+        truths_(bus, kTruthChannel, AndRecorderIf(options.record != "none", {}),
+                TruthWindow(options.pace)),
+        frames_(MakeFrameSender(bus, source, options)),
+        tempo_(source.IsLive()) {}
 
   int64_t Run() {
     status_.SetState(ProcessState::kReady);
@@ -52,18 +56,36 @@ class Player {
       frames_->WaitAllAcked(kPatienceWithTheUnready);
       return 0;
     }
-    status_.SetState(ProcessState::kRunning);
+    warning_ = Warning();
+    TellControl();
     const std::exception_ptr broken = SendFrames();
+    if (tempo_.restarts() > 0) {
+      spdlog::warn("late by more than {} s {} times, and went on from there",
+                   std::chrono::duration<double>(Tempo::kMaxDebt).count(), tempo_.restarts());
+    }
     End();
     if (broken) std::rethrow_exception(broken);
     return sent_;
   }
 
  private:
-  static StreamWriterOptions TruthWindow() {
+  static StreamWriterOptions TruthWindow(Pace pace) {
     StreamWriterOptions options;
     options.window = 64;
+    options.drop_oldest = pace == Pace::kRealtime;
     return options;
+  }
+
+  /// What a person had better know from the start; empty if there is nothing.
+  std::string Warning() const {
+    const std::optional<int> asked = AskedReceiveBuffer(bus_.url());
+    if (!options_.inline_pixels || source_.HasFeatures() || !asked) return {};
+    const Camera& c = source_.camera();
+    const auto why = WhyInlineImagesGetLost(*asked, GrantedReceiveBuffer(*asked),
+                                            static_cast<size_t>(c.width) * c.height,
+                                            FrameWindow(options_.pace).window);
+    if (why) spdlog::warn("{}", *why);
+    return why.value_or("");
   }
 
   bool Stopping() {
@@ -71,7 +93,9 @@ class Player {
       const Command& c = command->value;
       if (!c.target.empty() && c.target != "player") continue;
       stopped_ |= c.action == CommandAction::kStop;
-      if (control_.Obey(c)) TellControl();
+      if (!control_.Obey(c)) continue;
+      tempo_.StartAnew();
+      TellControl();
     }
     stopped_ |= stop_ || bus_.interrupted();
     return stopped_;
@@ -100,7 +124,7 @@ class Player {
     } else if (control_.rate() > 0) {
       status_.SetState(ProcessState::kRunning, fmt::format("rate {:g}", control_.rate()));
     } else {
-      status_.SetState(ProcessState::kRunning);
+      status_.SetState(ProcessState::kRunning, warning_);
     }
   }
 
@@ -114,6 +138,43 @@ class Player {
       const int64_t changes = control_.changes();
       // Not to the millisecond below: that would end in a busy loop.
       bus_.WaitFor([&] { return Stopping() || control_.changes() != changes; },
+                   std::min(std::chrono::ceil<std::chrono::milliseconds>(left), kLookAround));
+      ThrowIfAnyoneIsGone();
+    }
+    return false;
+  }
+
+  /// Sleeps until the pace lets the frame out; false if that is not to happen any more.
+  bool WaitForTurn(int64_t stamp_us) {
+    switch (options_.pace) {
+      case Pace::kLockstep:
+        return WaitUntilConsumed();
+      case Pace::kLossless:
+        return WaitForRoom();
+      case Pace::kRealtime:
+        // A rate that a person asked for takes the place of the time stamps' tempo.
+        return control_.rate() > 0 || WaitUntilDue(stamp_us);
+    }
+    return false;
+  }
+
+  bool WaitForRoom() {
+    const auto room = [this] { return frames_->HasRoom() || Stopping(); };
+    while (!bus_.WaitFor(room, kLookAround)) {
+      if (bus_.interrupted()) return false;
+      ThrowIfAnyoneIsGone();
+    }
+    return true;
+  }
+
+  bool WaitUntilDue(int64_t stamp_us) {
+    const Tempo::Clock::time_point due = tempo_.Due(stamp_us, Tempo::Clock::now());
+    ThrowIfAnyoneIsGone();
+    while (!Stopping()) {
+      const auto left = due - Tempo::Clock::now();
+      if (left <= left.zero()) return true;
+      // Not to the millisecond below: that would end in a busy loop.
+      bus_.WaitFor([this] { return Stopping(); },
                    std::min(std::chrono::ceil<std::chrono::milliseconds>(left), kLookAround));
       ThrowIfAnyoneIsGone();
     }
@@ -139,7 +200,10 @@ class Player {
         return std::current_exception();
       }
       // Before the time of publishing is taken: it is not to include the wait.
-      if (!frame || !WaitForControl(frame->stamp_us) || !WaitUntilConsumed() || Stopping()) break;
+      if (!frame || !WaitForControl(frame->stamp_us) || !WaitForTurn(frame->stamp_us) ||
+          Stopping()) {
+        break;
+      }
       if (!SendFrame(*frame)) break;
     }
     return nullptr;
@@ -177,6 +241,8 @@ class Player {
   StreamWriter<Truth> truths_;
   std::unique_ptr<FrameSender> frames_;
   PlayControl control_;
+  Tempo tempo_;
+  std::string warning_;
   int64_t sent_ = 0;
   bool stopped_ = false;
 };

@@ -1,4 +1,7 @@
-// The player's work in the graph: sends a source's frames, in lockstep with those who need them.
+// The player's work in the graph: sends a source's frames, at the pace of the run.
+//
+// Lockstep: one frame on its way at a time. Lossless: a few, as fast as the consumers are done with
+// them. Realtime: each when its time stamp says so, whoever follows.
 #pragma once
 
 #include <atomic>
@@ -7,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/pace.h"
 #include "core/transport/bus.h"
 #include "core/transport/peers.h"
 #include "core/transport/status_reporter.h"
@@ -15,8 +19,9 @@
 namespace vpslam {
 
 struct PlayOptions {
+  Pace pace = Pace::kLockstep;
   /// Processes that have to be ready before the first frame; those of them that consume images are
-  /// waited for after each.
+  /// waited for, except in realtime.
   std::vector<std::string> required;
   bool inline_pixels = false;   ///< in the message itself instead of shared memory
   std::string record = "none";  ///< ProcessOptions::record

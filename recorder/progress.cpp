@@ -1,6 +1,8 @@
 #include "recorder/progress.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 
 #include <nlohmann/json.hpp>
@@ -26,6 +28,15 @@ double FramesPerSecond(const RunRecord& run) {
   return begin_us < end_us ? 1e6 * count / static_cast<double>(end_us - begin_us) : 0;
 }
 
+/// Frames without a pose since the last that had one, where there is a map.
+int64_t FramesLost(const RunRecord& run) {
+  const auto& frames = run.frames();
+  const auto found = std::find_if(frames.rbegin(), frames.rend(), [](const auto& frame) {
+    return frame.second.last.state != TrackingState::kLost;
+  });
+  return std::distance(frames.rbegin(), found);
+}
+
 }  // namespace
 
 std::string ProgressLine(const RunRecord& run) {
@@ -35,12 +46,19 @@ std::string ProgressLine(const RunRecord& run) {
   nlohmann::ordered_json line = {{"frame", frame},
                                  {"fps", std::round(10 * FramesPerSecond(run)) / 10},
                                  {"state", StateName(newest.state)},
+                                 {"map", newest.map.value},
+                                 {"maps", run.map().Maps().size()},
+                                 {"maps_merged", run.map().num_merged()},
+                                 {"frames_lost", FramesLost(run)},
                                  {"keyframes", run.map().NumKeyframes(newest.map)},
                                  {"points", run.map().NumPoints(newest.map)},
                                  {"dropped", frame + 1 - static_cast<int64_t>(frames.size())},
-                                 {"processes", nlohmann::ordered_json::object()}};
+                                 {"processes", nlohmann::ordered_json::object()},
+                                 {"messages", nlohmann::ordered_json::object()}};
   for (const auto& [key, status] : run.processes()) {
     line["processes"][status.process] = StateName(status.state);
+    const bool runs = status.state == ProcessState::kRunning;
+    if (runs && !status.message.empty()) line["messages"][status.process] = status.message;
   }
   return line.dump();
 }

@@ -7,7 +7,8 @@
 
 namespace vpslam {
 
-/// {"frame", "fps", "state", "keyframes", "points", "dropped", "processes": {name: state}}: the
+/// {"frame", "fps", "state", "keyframes", "points", "dropped", "processes": {name: state},
+/// "messages": {name: what a running process has to tell people}}: the
 /// newest frame with its map's counts; fps over the last second of image time on the wire; dropped
 /// is what never got an answer, up to that frame.
 std::string ProgressLine(const RunRecord& run);

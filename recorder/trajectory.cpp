@@ -24,13 +24,13 @@ std::vector<MapTrajectory> FinalTrajectories(const RunRecord& run) {
   std::map<MapId, MapTrajectory> by_map;
   for (const auto& [seq, frame] : run.frames()) {
     const FramePose& pose = frame.last;
-    SE3 reference_from_world;
-    if (!IsMeasured(pose) || !run.map().CamFromWorld(pose.reference, &reference_from_world)) {
+    SE3 cam_from_world;
+    if (!IsMeasured(pose) ||
+        !run.map().Place(pose.reference, pose.cam_from_reference, &cam_from_world)) {
       continue;
     }
     MapTrajectory& trajectory = by_map[run.map().FindEvenCulled(pose.reference)->map];
-    trajectory.poses.push_back(
-        {pose.stamp_us, (pose.cam_from_reference * reference_from_world).Inverse()});
+    trajectory.poses.push_back({pose.stamp_us, cam_from_world.Inverse()});
   }
   std::vector<MapTrajectory> result;
   for (auto& [id, trajectory] : by_map) {

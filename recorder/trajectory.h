@@ -22,9 +22,9 @@ struct MapTrajectory {
 };
 
 /// Every measured frame of each map, placed by where its reference keyframe is now:
-/// world_from_cam = (cam_from_reference * reference_from_world)^-1. The map with most frames comes
-/// first, ties by id; a frame belongs to the map in which its reference keyframe is now. Maps
-/// without a measured frame, and frames of erased maps, are not there.
+/// world_from_cam = (cam_from_reference * reference_from_world)^-1 (see Map::Place). The map with
+/// most frames comes first, ties by id; a frame belongs to the map in which its reference keyframe
+/// is now. Maps without a measured frame, and frames of erased maps, are not there.
 std::vector<MapTrajectory> FinalTrajectories(const RunRecord& run);
 
 /// The measured poses as they were published when their turn came.

@@ -17,6 +17,7 @@
 
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
+#include "core/geometry/sim3.h"
 #include "core/map/ids.h"
 #include "core/messages/map_delta.h"
 
@@ -64,7 +65,9 @@ struct Keyframe {
   bool culled = false;
   SE3 cam_from_world;  ///< of a culled one: ask Map::CamFromWorld
   KeyframeId parent;
-  SE3 cam_from_parent;          ///< of a culled one
+  SE3 cam_from_parent;  ///< of a culled one
+  /// Lengths now per lengths when the keyframe was made: maps that are merged change their unit.
+  double unit = 1;
   std::vector<PointId> points;  ///< per feature; invalid where it observes none
   std::vector<LineId> lines;    ///< per line segment; invalid where it observes none
 
@@ -74,6 +77,7 @@ struct Keyframe {
 /// What changed since the last delta; filled by the owner's Map.
 struct MapChanges {
   std::set<MapId> erased_maps;
+  std::set<MapId> merged_maps;  ///< that have become part of another
   std::set<KeyframeId> keyframes;
   std::set<PointId> appearances;
   std::set<PointId> geometries;
@@ -96,6 +100,11 @@ class Map {
   LineId Resolve(LineId id) const;
   /// Also of culled keyframes, through their parents; nullptr-like `false` if unknown.
   bool CamFromWorld(KeyframeId id, SE3* cam_from_world) const;
+  /// Where a camera stands that was placed relative to a keyframe, and what to keep of one to be
+  /// placed later. `cam_from_reference` has the unit of length that the reference was made in, so
+  /// it outlives corrections and mergers of maps. False if the keyframe is unknown.
+  bool Place(KeyframeId reference, const SE3& cam_from_reference, SE3* cam_from_world) const;
+  bool Hang(KeyframeId reference, const SE3& cam_from_world, SE3* cam_from_reference) const;
   /// The keyframe itself or, if it was culled, the nearest ancestor that was not; invalid if none.
   KeyframeId LivingAncestor(KeyframeId id) const;
 
@@ -107,6 +116,14 @@ class Map {
   int32_t line_end() const { return static_cast<int32_t>(lines_.size()); }
   /// Also culled ones; nullptr if unknown. For results.
   const Keyframe* FindEvenCulled(KeyframeId id) const;
+  /// The map that `id` has become part of; itself if it has not.
+  MapId Resolve(MapId id) const;
+  /// All ids of maps ever used are below this.
+  int32_t map_end() const;
+  /// How many maps have become part of others.
+  int num_merged() const { return static_cast<int>(merged_maps_.size()); }
+  /// Maps that have keyframes, ascending.
+  std::vector<MapId> Maps() const;
   int NumKeyframes(MapId map) const;
   int NumPoints(MapId map) const;
   int NumLines(MapId map) const;
@@ -134,6 +151,10 @@ class Map {
   /// its parent. The first keyframe of a map cannot be culled.
   void Cull(KeyframeId keyframe);
   void EraseMap(MapId map);
+  /// Brings all that `map` holds into other coordinates: x_new = new_from_old * x_old.
+  void Transform(MapId map, const Sim3& new_from_old);
+  /// What `from` holds belongs to `into` from now on. Their coordinates must agree already.
+  void Absorb(MapId from, MapId into);
   void SetPose(KeyframeId keyframe, const SE3& cam_from_world);
   void SetParent(KeyframeId keyframe, KeyframeId parent);
   void SetPosition(PointId point, const Eigen::Vector3d& position);
@@ -185,6 +206,7 @@ class Map {
   std::deque<MapLine> lines_;                             ///< by id; id invalid where unknown
   std::map<MapId, Eigen::Quaterniond> manhattan_frames_;  ///< world_from_manhattan
   std::set<MapId> erased_maps_;
+  std::map<MapId, MapId> merged_maps_;  ///< into which
   MapChanges changes_;
   int64_t version_ = 0;
 };

@@ -50,6 +50,7 @@ KeyframeState Map::State(const Keyframe& keyframe) const {
   state.cam_from_world = keyframe.cam_from_world;
   state.parent = keyframe.parent;
   state.cam_from_parent = keyframe.cam_from_parent;
+  state.unit = keyframe.unit;
   const auto list = [](const auto& slots, auto* observations) {
     for (size_t i = 0; i < slots.size(); ++i) {
       if (slots[i].IsValid()) observations->push_back({static_cast<int32_t>(i), slots[i]});
@@ -65,6 +66,9 @@ std::vector<MapDelta> Map::Parts(const MapChanges& changes) const {
   // Points and lines before the keyframes that observe them, so that no part refers to what is
   // still to come.
   for (const MapId map : changes.erased_maps) writer.Room(4).erased_maps.push_back(map);
+  for (const MapId map : changes.merged_maps) {
+    writer.Room(8).merged_maps.push_back({map, merged_maps_.at(map)});
+  }
   for (const PointId id : changes.appearances) {
     const MapPoint& p = points_[id.value];
     writer.Room(kAppearanceBytes).appearances.push_back({p.id, p.map, p.reference, p.descriptor});
@@ -114,6 +118,7 @@ std::vector<MapDelta> Map::TakeDeltas(KeyframeId answers, const MappingTimes& ti
 std::vector<MapDelta> Map::Snapshot() const {
   MapChanges everything;
   everything.erased_maps = erased_maps_;
+  for (const auto& [from, into] : merged_maps_) everything.merged_maps.insert(from);
   for (const Keyframe& k : keyframes_) {
     if (k.id.IsValid()) everything.keyframes.insert(k.id);
   }
@@ -172,6 +177,7 @@ bool Map::Apply(const MapDelta& delta) {
   if (!delta.snapshot && delta.base_version != version_) return false;
   if (delta.snapshot) *this = Map();
   for (const MapId map : delta.erased_maps) EraseMap(map);
+  for (const MapMerger& merger : delta.merged_maps) merged_maps_[merger.from] = merger.into;
   for (const PointAppearance& a : delta.appearances) {
     MapPoint& p = Mutable(a.id);
     p.id = a.id;
@@ -209,6 +215,7 @@ bool Map::Apply(const MapDelta& delta) {
     k.cam_from_world = s.cam_from_world;
     k.parent = s.parent;
     k.cam_from_parent = s.cam_from_parent;
+    k.unit = s.unit;
     ApplyObservations(s.id, s.points);
     ApplyObservations(s.id, s.lines);
   }

@@ -27,7 +27,9 @@ struct FramePose {
   /// Pose and what it hangs on; meaningful in kTracking only.
   SE3 cam_from_world;
   KeyframeId reference;
-  SE3 cam_from_reference;  ///< survives corrections of the map: express the pose through this
+  /// Survives corrections of the map: express the pose through this. Its unit of length is the one
+  /// that the reference was made in (see Map::Place).
+  SE3 cam_from_reference;
   Matrix6d covariance = Matrix6d::Zero();  ///< of the left perturbation (rho, phi)
   int32_t inliers = 0;
   int32_t matches = 0;

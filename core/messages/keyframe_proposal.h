@@ -10,6 +10,7 @@
 #include "core/geometry/se3.h"
 #include "core/map/ids.h"
 #include "core/messages/line_set.h"
+#include "core/messages/map_delta.h"
 
 namespace vpslam {
 
@@ -33,11 +34,18 @@ struct InitialPoint {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
 };
 
+/// The frame was found in another map as well: the two show one place.
+struct MapSeam {
+  MapId map;                                        ///< the other; invalid: there is no seam
+  SE3 cam_from_world;                               ///< in the other's coordinates
+  std::vector<FeatureObservation<PointId>> points;  ///< of the other
+};
+
 struct KeyframeProposal {
   KeyframeId id;
   KeyframeRole role = KeyframeRole::kRegular;
   MapId map;
-  /// With kMapFirst: this map failed its probation, erase it. Invalid if there is none.
+  /// This map failed its probation: erase it. Invalid if there is none.
   MapId discarded_map;
   int64_t frame_seq = 0;
   int64_t stamp_us = 0;
@@ -49,6 +57,7 @@ struct KeyframeProposal {
   std::vector<InitialPoint> initial_points;
   LineSet lines;
   std::vector<LineId> map_lines;  ///< per line: the map line it observes, invalid for none
+  MapSeam seam;
 };
 
 }  // namespace vpslam

@@ -37,6 +37,7 @@ struct KeyframeState {
   SE3 cam_from_world;   ///< of a culled keyframe: to be derived from parent and cam_from_parent
   KeyframeId parent;    ///< invalid for the first keyframe of a map
   SE3 cam_from_parent;  ///< fixed at culling
+  double unit = 1;      ///< lengths now per lengths when the keyframe was made
   std::vector<FeatureObservation<PointId>> points;
   std::vector<FeatureObservation<LineId>> lines;
 };
@@ -81,6 +82,12 @@ struct MapManhattan {
   std::optional<Eigen::Quaterniond> world_from_manhattan;  ///< none (any more)
 };
 
+/// All of map `from` belongs to map `into` now.
+struct MapMerger {
+  MapId from;
+  MapId into;
+};
+
 struct MapDelta {
   int64_t base_version = 0;
   int64_t version = 0;
@@ -89,6 +96,7 @@ struct MapDelta {
   KeyframeId answers;
   MappingTimes times;  ///< of that keyframe
   std::vector<MapId> erased_maps;
+  std::vector<MapMerger> merged_maps;
   std::vector<KeyframeState> keyframes;
   std::vector<PointAppearance> appearances;  ///< of new and of changed points
   std::vector<PointGeometry> geometries;

@@ -29,7 +29,9 @@ void CameraBeacon::Tick() {
 }
 
 CameraReceiver::CameraReceiver(Bus& bus)
-    : bus_(bus), cameras_(bus, kCameraChannel, 1), commands_(bus, kCommandChannel) {}
+    : bus_(bus),
+      cameras_(bus, kCameraChannel, 1, /*repeats=*/true),
+      commands_(bus, kCommandChannel) {}
 
 std::optional<Camera> CameraReceiver::TryTake() {
   auto message = cameras_.TryTake();

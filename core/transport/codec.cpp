@@ -65,15 +65,15 @@ template <>
 struct Wire<KeyframeProposal> {
   using Type = keyframe_t;
   // features and lines (each with the id of a map point or line), sightings, initial points, ...
-  static constexpr std::array<int64_t, 5> kElementBytes{kKeypointBytes + kDescriptorBytes + 4, 12,
-                                                        32, kLineBytes + 4, kVanishingPointBytes};
+  static constexpr std::array<int64_t, 6> kElementBytes{
+      kKeypointBytes + kDescriptorBytes + 4, 12, 32, kLineBytes + 4, kVanishingPointBytes, 8};
 };
 template <>
 struct Wire<MapDelta> {
   using Type = map_delta_t;
-  // erased maps, keyframes, observations, appearances, geometries, tombstones, observations of
-  // lines, lines, their tombstones, Manhattan frames
-  static constexpr std::array<int64_t, 10> kElementBytes{4, 149, 8, 44, 32, 8, 8, 72, 8, 37};
+  // erased maps, merged maps, keyframes, observations, appearances, geometries, tombstones,
+  // observations of lines, lines, their tombstones, Manhattan frames
+  static constexpr std::array<int64_t, 11> kElementBytes{4, 8, 157, 8, 44, 32, 8, 8, 72, 8, 37};
 };
 template <>
 struct Wire<MapRequest> {

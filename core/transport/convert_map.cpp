@@ -72,6 +72,9 @@ keyframe_t ToWire(const KeyframeProposal& keyframe) {
   wire.num_lines = static_cast<int32_t>(wire.lines.size());
   for (const LineId id : keyframe.map_lines) wire.map_lines.push_back(id.value);
   wire.num_vanishing_points = static_cast<int32_t>(wire.vanishing_points.size());
+  wire.seam_map = keyframe.seam.map.value;
+  wire.seam_cam_from_world = ToWirePose(keyframe.seam.cam_from_world);
+  wire.num_seam_points = AppendObservations(keyframe.seam.points, &wire.seam_points);
   return wire;
 }
 
@@ -101,6 +104,13 @@ std::optional<KeyframeProposal> FromWire(const keyframe_t& wire, std::string* wh
   keyframe.lines = ReadLineSet(wire.line_set, wire.lines, wire.vanishing_points);
   keyframe.map_lines.reserve(wire.map_lines.size());
   for (const int32_t id : wire.map_lines) keyframe.map_lines.push_back(LineId(id));
+  keyframe.seam.map = MapId(wire.seam_map);
+  keyframe.seam.cam_from_world = FromWirePose(wire.seam_cam_from_world);
+  std::span<const observation_t> seam_points = wire.seam_points;
+  if (!TakeObservations(wire.num_seam_points, &seam_points, &keyframe.seam.points)) {
+    *why = "fewer seam points than promised";
+    return std::nullopt;
+  }
   return Checked(std::move(keyframe), why);
 }
 
@@ -118,6 +128,13 @@ map_delta_t ToWire(const MapDelta& delta) {
   wire.times.total_ms = delta.times.total_ms;
   for (const MapId id : delta.erased_maps) wire.erased_maps.push_back(id.value);
   wire.num_erased_maps = static_cast<int32_t>(wire.erased_maps.size());
+  for (const MapMerger& from : delta.merged_maps) {
+    map_merger_t to;
+    to.from = from.from.value;
+    to.into = from.into.value;
+    wire.merged_maps.push_back(to);
+  }
+  wire.num_merged_maps = static_cast<int32_t>(wire.merged_maps.size());
   for (const KeyframeState& from : delta.keyframes) {
     keyframe_state_t to;
     to.id = from.id.value;
@@ -128,6 +145,7 @@ map_delta_t ToWire(const MapDelta& delta) {
     to.cam_from_world = ToWirePose(from.cam_from_world);
     to.parent = from.parent.value;
     to.cam_from_parent = ToWirePose(from.cam_from_parent);
+    to.unit = from.unit;
     to.observations = AppendObservations(from.points, &wire.observations);
     to.line_observations = AppendObservations(from.lines, &wire.line_observations);
     wire.keyframes.push_back(to);
@@ -198,6 +216,9 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why) {
   delta.times.local_ba_ms = wire.times.local_ba_ms;
   delta.times.total_ms = wire.times.total_ms;
   for (const int32_t id : wire.erased_maps) delta.erased_maps.push_back(MapId(id));
+  for (const map_merger_t& from : wire.merged_maps) {
+    delta.merged_maps.push_back({MapId(from.from), MapId(from.into)});
+  }
   std::span<const observation_t> observations = wire.observations;
   std::span<const observation_t> line_observations = wire.line_observations;
   delta.keyframes.reserve(wire.keyframes.size());
@@ -211,6 +232,7 @@ std::optional<MapDelta> FromWire(const map_delta_t& wire, std::string* why) {
     to.cam_from_world = FromWirePose(from.cam_from_world);
     to.parent = KeyframeId(from.parent);
     to.cam_from_parent = FromWirePose(from.cam_from_parent);
+    to.unit = from.unit;
     if (!TakeObservations(from.observations, &observations, &to.points) ||
         !TakeObservations(from.line_observations, &line_observations, &to.lines)) {
       *why = "more observations promised than sent";

@@ -21,9 +21,10 @@ class Inbox {
  public:
   static constexpr std::size_t kUnbounded = 0;
 
-  /// A full queue drops its oldest message, counted. kUnbounded is for what is rare by nature.
-  Inbox(Bus& bus, const std::string& channel, std::size_t capacity)
-      : bus_(bus), channel_(channel), capacity_(capacity) {
+  /// A full queue drops its oldest message, counted unless `repeats`: what is said again and again
+  /// is no loss. kUnbounded is for what is rare by nature.
+  Inbox(Bus& bus, const std::string& channel, std::size_t capacity, bool repeats = false)
+      : bus_(bus), channel_(channel), capacity_(capacity), repeats_(repeats) {
     registration_ = bus.Subscribe(channel, [this](std::span<const uint8_t> b) { Receive(b); });
   }
 
@@ -59,6 +60,7 @@ class Inbox {
     queue_.push_back(*std::move(message));
     if (capacity_ != kUnbounded && queue_.size() > capacity_) {
       queue_.pop_front();
+      if (repeats_) return;
       ++dropped_;
       ++bus_.counters().dropped;
     }
@@ -67,6 +69,7 @@ class Inbox {
   Bus& bus_;
   const std::string channel_;
   const std::size_t capacity_;
+  const bool repeats_;
   mutable std::mutex mutex_;
   std::deque<Decoded<T>> queue_;
   SequenceWatch watch_;

@@ -86,9 +86,12 @@ void AddProcessOptions(CLI::App& app, ProcessOptions* options) {
                  "processes whose acknowledgements are waited for, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--pace", options->pace, "who waits for whom; lockstep drops nothing")
-      ->check(CLI::IsMember({"lockstep"}))
-      ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--pace", [options](const std::string& name) { options->pace = *PaceFromName(name); },
+         "who waits for whom: lockstep repeats exactly, lossless is as fast as all keep up, "
+         "realtime keeps the time stamps' tempo and drops what comes too fast")
+      ->check(CLI::IsMember(PaceNames()))
+      ->default_str("lockstep");
   app.add_option("--record", options->record,
                  "what the recorder logs: 'features' of each frame, or 'all', with pixels; the "
                  "same for all processes of a graph")

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/pace.h"
 #include "core/transport/bus.h"
 #include "core/transport/peers.h"
 #include "core/transport/status_reporter.h"
@@ -28,7 +29,7 @@ struct ProcessOptions {
   std::string log_level = "info";
   /// Processes whose acknowledgements the streams of this one wait for.
   std::vector<std::string> required;
-  std::string pace = "lockstep";
+  Pace pace = Pace::kLockstep;
   std::string record = "none";  ///< what the recorder keeps besides results: its log
 
   bool IsRecorded() const { return record != "none"; }

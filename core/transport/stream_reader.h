@@ -44,16 +44,25 @@ class StreamReaderCore {
 template <class T>
 class StreamReader {
  public:
+  static constexpr std::size_t kUnbounded = 0;
   /// Sees each message of the stream as it travelled, in order and once, with its end. False: it
   /// is not to be queued. Called on the receive thread.
   using Tap = std::function<bool(const Header&, std::span<const uint8_t>)>;
 
-  /// `consumer` is the name by which the writer waits for this process.
+  /// `consumer` is the name by which the writer waits for this process. A queue that holds more
+  /// than `capacity` messages drops its oldest, counted: for streams whose writer never waits.
   StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy,
-               Tap tap = {})
-      : bus_(bus), channel_(channel), core_(bus, channel, consumer, policy), tap_(std::move(tap)) {
+               std::size_t capacity = kUnbounded, Tap tap = {})
+      : bus_(bus),
+        channel_(channel),
+        capacity_(capacity),
+        core_(bus, channel, consumer, policy),
+        tap_(std::move(tap)) {
     registration_ = bus.Subscribe(channel, [this](std::span<const uint8_t> b) { Receive(b); });
   }
+  StreamReader(Bus& bus, const std::string& channel, const std::string& consumer, AckPolicy policy,
+               Tap tap)
+      : StreamReader(bus, channel, consumer, policy, kUnbounded, std::move(tap)) {}
 
   struct Item {
     T value;
@@ -105,10 +114,16 @@ class StreamReader {
     const bool first = verdict == Verdict::kDeliverFirstOfSession;
     queue_.push_back({std::move(message->value), message->header, first && seen_any_});
     seen_any_ = true;
+    if (capacity_ == kUnbounded || queue_.size() <= capacity_) return;
+    const bool restarted = queue_.front().restarted;
+    queue_.pop_front();
+    queue_.front().restarted |= restarted;
+    ++bus_.counters().dropped;
   }
 
   Bus& bus_;
   const std::string channel_;
+  const std::size_t capacity_;
   StreamReaderCore core_;
   const Tap tap_;
   mutable std::mutex mutex_;

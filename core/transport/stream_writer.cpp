@@ -44,19 +44,22 @@ class StreamWriterCore::Impl {
   }
 
   bool WaitForRoom() {
-    const bool room = bus_.WaitFor(
-        [this] {
-          const std::lock_guard lock(mutex_);
-          return !gone_.empty() || static_cast<int>(pending_.size()) < options_.window;
-        },
-        kForever);
-    ThrowIfGone();
-    return room;
+    return bus_.WaitFor([this] { return HasRoom(); }, kForever);
+  }
+
+  bool HasRoom() const {
+    const std::lock_guard lock(mutex_);
+    if (options_.drop_oldest) return true;
+    if (!gone_.empty()) throw PeerGoneError(gone_);
+    return static_cast<int>(pending_.size()) < options_.window;
   }
 
   bool Send(const Encoder& encoder, bool last) {
     if (!WaitForRoom()) return false;
     const std::lock_guard lock(mutex_);
+    while (options_.drop_oldest && static_cast<int>(pending_.size()) >= options_.window) {
+      pending_.pop_front();
+    }
     Header header;
     header.session = session_;
     header.seq = next_seq_;
@@ -194,6 +197,7 @@ StreamWriterCore::StreamWriterCore(Bus& bus, std::string channel,
     : impl_(std::make_unique<Impl>(bus, std::move(channel), std::move(consumers), options)) {}
 StreamWriterCore::~StreamWriterCore() = default;
 bool StreamWriterCore::WaitForRoom() { return impl_->WaitForRoom(); }
+bool StreamWriterCore::HasRoom() const { return impl_->HasRoom(); }
 bool StreamWriterCore::Send(const Encoder& encoder, bool last) {
   return impl_->Send(encoder, last);
 }

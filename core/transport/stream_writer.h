@@ -2,7 +2,7 @@
 //
 // Each message is kept until all required consumers have acknowledged it, and sent again
 // (go-back-N, 50 to 500 ms) while one of them has not received it. At most `window` messages are
-// unacknowledged at a time; Send blocks then.
+// unacknowledged at a time; Send blocks then, or gives up the oldest of them (drop_oldest).
 #pragma once
 
 #include <chrono>
@@ -23,6 +23,9 @@ namespace vpslam {
 
 struct StreamWriterOptions {
   int window = 4;
+  /// A full window never blocks: its oldest message is kept no more, and a reader that has not
+  /// received it goes on with the one after it.
+  bool drop_oldest = false;
   std::chrono::milliseconds first_resend{50};
   std::chrono::milliseconds max_resend{500};  ///< the interval doubles up to this
   /// A consumer that was sent something and says nothing for so long is dead. Its receive thread
@@ -50,6 +53,7 @@ class StreamWriterCore {
   ~StreamWriterCore();
 
   bool WaitForRoom();
+  bool HasRoom() const;
   bool Send(const Encoder& encoder, bool last);
   bool WaitAllAcked(std::chrono::milliseconds timeout);
   int64_t next_seq() const;
@@ -68,13 +72,15 @@ class StreamWriter {
                const StreamWriterOptions& options = {})
       : core_(bus, std::move(channel), std::move(consumers), options) {}
 
-  /// Blocks while the window is full. False when the bus was interrupted; throws PeerGoneError, or
-  /// std::invalid_argument if the value may not be sent.
+  /// Blocks while the window is full, unless it drops. False when the bus was interrupted; throws
+  /// PeerGoneError, or std::invalid_argument if the value may not be sent.
   bool Send(const T& value) {
     return core_.Send([&value](const Header& header) { return Encode(header, value); }, false);
   }
   /// Blocks until Send would not; same result.
   bool WaitForRoom() { return core_.WaitForRoom(); }
+  /// Whether Send would go through at once. Throws PeerGoneError.
+  bool HasRoom() const { return core_.HasRoom(); }
   /// Sends the end-of-stream marker; nothing may follow.
   bool SendEnd() {
     return core_.Send([](const Header& header) { return Encode(header, T{}); }, true);

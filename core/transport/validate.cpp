@@ -265,6 +265,12 @@ Fault Validate(const KeyframeProposal& k) {
   check.Require(std::all_of(k.map_lines.begin(), k.map_lines.end(),
                             [](LineId id) { return IsIdOrNone(id.value); }),
                 "line id out of range");
+  check.Require(IsIdOrNone(k.seam.map.value) && IsPose(k.seam.cam_from_world), "seam out of range");
+  for (std::size_t i = 0; i < k.seam.points.size() && !check.fault(); ++i) {
+    const auto& p = k.seam.points[i];
+    check.Require(p.feature >= 0 && p.feature < num_features && p.landmark.IsValid(), "seam point",
+                  i, "out of range");
+  }
   return check.fault();
 }
 
@@ -277,6 +283,11 @@ Fault Validate(const MapDelta& d) {
   check.Require(std::all_of(d.erased_maps.begin(), d.erased_maps.end(),
                             [](MapId id) { return id.IsValid(); }),
                 "id of an erased map out of range");
+  for (std::size_t i = 0; i < d.merged_maps.size() && !check.fault(); ++i) {
+    const MapMerger& m = d.merged_maps[i];
+    check.Require(m.from.IsValid() && m.into.IsValid() && m.from != m.into, "merger", i,
+                  "id out of range");
+  }
   for (std::size_t i = 0; i < d.keyframes.size() && !check.fault(); ++i) {
     const KeyframeState& k = d.keyframes[i];
     check.Require(k.id.IsValid() && k.map.IsValid() && IsIdOrNone(k.parent.value), "keyframe", i,
@@ -284,6 +295,7 @@ Fault Validate(const MapDelta& d) {
     check.Require(k.frame_seq >= 0, "keyframe", i, "negative frame number");
     check.Require(IsPose(k.cam_from_world) && IsPose(k.cam_from_parent), "keyframe", i,
                   "pose out of range");
+    check.Require(k.unit > 0 && k.unit <= kMaxLength, "keyframe", i, "unit out of range");
     const auto is_sound = [](const auto& o) {
       return o.feature >= 0 && o.feature < static_cast<int32_t>(kMaxFeatures) &&
              o.landmark.IsValid();

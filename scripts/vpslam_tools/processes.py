@@ -62,7 +62,8 @@ def command_lines(options, url, session, out):
     from_features = getattr(options, "from_features", False)
     arguments = {
         "player": [options.sequence, "--session", session, "--truth", str(out / "truth.txt")]
-        + given(*sources.OPTIONS, "start", "frames") + ["--features"] * from_features,
+        + given(*sources.OPTIONS, "start", "frames") + ["--inline"] * options.inline
+        + ["--features"] * from_features,
         "frontend": given("config", "seed") + settings + ["--preview"] * options.preview
         + ["--take-features"] * from_features,
         "backend": given("config") + settings,

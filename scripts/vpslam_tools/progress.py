@@ -14,13 +14,20 @@ class Progress:
         self._on_terminal = stream.isatty()
         self._line_open = False
         self._last_printed = -QUIET_S
+        self._told = set()
 
     def show(self, json_line):
         """Returns whether frames come through."""
         try:
-            line = describe(json.loads(json_line))
+            progress = json.loads(json_line)
+            line = describe(progress)
+            messages = progress.get("messages", {}).items()
         except (ValueError, KeyError, TypeError, AttributeError):
             return False  # not a progress line; nothing hangs on it
+        for process, message in messages:
+            if (process, message) not in self._told:
+                self._told.add((process, message))
+                self.tell(f"{process}: {message}")
         if line is None:
             return False
         if self._on_terminal:
@@ -43,6 +50,13 @@ class Progress:
 def describe(progress):
     if progress["frame"] < 0:
         return None
-    return (f"frame {progress['frame']}  {progress['fps']:.1f} fps  {progress['state']}  "
+    state = progress["state"]
+    if progress.get("frames_lost", 0) > 0:
+        state += f" for {progress['frames_lost']} frames"
+    if progress.get("maps", 0) > 1:
+        state += f"  map {progress['map']} ({progress['maps']} maps)"
+    if progress.get("maps_merged", 0) > 0:
+        state += f"  merged {progress['maps_merged']}"
+    return (f"frame {progress['frame']}  {progress['fps']:.1f} fps  {state}  "
             f"keyframes {progress['keyframes']}  points {progress['points']}  "
             f"dropped {progress['dropped']}")

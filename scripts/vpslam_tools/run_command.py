@@ -19,7 +19,7 @@ from vpslam_tools.supervisor import Supervisor
 
 LOG_LINES_TOLD = 6
 INTERRUPTED = 130
-PACES = ["lockstep"]
+PACES = ["lockstep", "lossless", "realtime"]
 
 
 def at_least(smallest):
@@ -34,8 +34,8 @@ def add_parser(commands):
     parser = commands.add_parser(
         "run", help="run the process graph on a sequence",
         description="Launches player, vpdetector, frontend, backend and recorder as processes of "
-        "their own on an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends it early, with "
-        "results, and a second one at once.")
+        "their own on an LCM URL with a port of its own. Ends when the sequence does; Ctrl-C ends "
+        "it early, with results, and a second one at once.")
     sources.add_arguments(parser)
     parser.add_argument("--out", metavar="DIR",
                         help="results folder; default: results/DATE-SEQUENCE")
@@ -43,7 +43,11 @@ def add_parser(commands):
     parser.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[],
                         help="one setting, over those of the file; may be repeated")
     parser.add_argument("--pace", choices=PACES, default="lockstep",
-                        help="lockstep (default): nothing is dropped, results repeat exactly")
+                        help="lockstep (default): nothing is dropped, results repeat exactly; "
+                        "lossless: nothing is dropped, mapping beside tracking; realtime: the "
+                        "tempo of the time stamps, a process that is too slow misses frames")
+    parser.add_argument("--inline", action="store_true",
+                        help="pixels in the messages instead of in shared memory")
     parser.add_argument("--start", type=at_least(0), metavar="N", help="first frame, from 0")
     parser.add_argument("--frames", type=at_least(1), metavar="N", help="at most so many frames")
     parser.add_argument("--seed", type=at_least(0), default=1, metavar="N",
@@ -180,7 +184,9 @@ def conclude(supervisor, args, out, progress):
 
 
 def describe_results(out, frames):
-    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped"]
+    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped" + (
+        f", {frames['dropped_before_init']} of them before the map was started"
+        if frames["dropped"] else "")]
     truth = out / "truth.txt"
     estimate = out / "trajectory.txt"
     if truth.exists() and estimate.exists():

@@ -180,15 +180,17 @@ class SyntheticMap {
   KeyframeStore store;
   std::map<KeyframeId, SyntheticView> views;
   std::map<PointId, int> truth;  ///< points of the scene
+  MapId map_id{0};               ///< of what is added
 
   /// At `cam_from_world`, which need not be where the view was taken. Hangs on the keyframe before.
   KeyframeId AddKeyframe(const SyntheticView& view, const SE3& cam_from_world) {
     Keyframe keyframe;
     keyframe.id = KeyframeId(map.keyframe_end());
-    keyframe.map = MapId(0);
+    keyframe.map = map_id;
     keyframe.frame_seq = 10 * keyframe.id.value;
     keyframe.cam_from_world = cam_from_world;
-    keyframe.parent = KeyframeId(keyframe.id.value - 1);
+    const KeyframeId before(keyframe.id.value - 1);
+    if (map.Find(before) && map.Find(before)->map == map_id) keyframe.parent = before;
     keyframe.points.resize(view.features.size());
     map.Insert(keyframe);
     store[keyframe.id] = {view.features, view.grid, {}};
@@ -208,7 +210,7 @@ class SyntheticMap {
       if (views.at(k).FeatureOf(p) >= 0) observers.push_back(k);
     }
     if (observers.size() < 2) return PointId();
-    const PointId id = map.CreatePoint(MapId(0), observers.front(), position);
+    const PointId id = map.CreatePoint(map_id, observers.front(), position);
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     for (const KeyframeId k : observers) {
       map.Observe(k, views.at(k).FeatureOf(p), id);

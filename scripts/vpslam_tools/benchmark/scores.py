@@ -1,6 +1,7 @@
 """What a run was worth, and several runs of one sequence together."""
 
 import csv
+import json
 import math
 
 import numpy as np
@@ -13,6 +14,8 @@ def score(results):
     """Figures of one results folder of `vpslam run`; None where there is nothing to compare."""
     with open(results / "frames.csv", encoding="utf-8") as file:
         frames = sum(1 for _ in csv.DictReader(file))
+    # Frames that were dropped are in no table, but were there to be tracked.
+    frames = max(frames, json.loads((results / "summary.json").read_text())["frames"]["in"])
     figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
                "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None, "rpe_deg": None, "scale": None, "why": None}
     try:

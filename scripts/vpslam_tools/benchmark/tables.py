@@ -1,5 +1,7 @@
 """Markdown in the form of the paper's tables I and II."""
 
+import statistics
+
 from vpslam_tools.benchmark import timing
 from vpslam_tools.benchmark.catalogue import PAPER_TIMES_MS
 
@@ -75,6 +77,34 @@ def _accuracy_cells(figures):
         error += " \\*"
     coverage = dict(figures["coverage"], runs=figures["runs"])
     return [error, median_and_worst(coverage, 3), median_and_worst(figures["rotation_deg"], 2)]
+
+
+def budget(runs):
+    """[(sequence, pace, [summary.json])]: frames dropped, latency, and CPU time per frame of each
+    process; medians over the runs, of frames dropped the most."""
+    def median(summaries, *keys):
+        values = [value for each in summaries if (value := _at(each, *keys)) is not None]
+        return statistics.median(values) if values else None
+    processes = sorted({name for _, _, summaries in runs for each in summaries
+                        for name in each.get("cpu_ms_per_frame", {})} - {"total"})
+    header = (["sequence", "pace", "dropped", "of them after the start", "latency, median (ms)",
+               "95 %", "CPU per frame (ms)"] + processes)
+    rows = []
+    for name, pace, summaries in runs:
+        dropped = max(each["frames"]["dropped"] for each in summaries)
+        late = max(each["frames"]["dropped"] - each["frames"].get("dropped_before_init", 0)
+                   for each in summaries)
+        rows.append([name, pace, str(dropped), str(late)]
+                    + [number(median(summaries, "latency_ms", key), 1) for key in ("median", "p95")]
+                    + [number(median(summaries, "cpu_ms_per_frame", key), 1)
+                       for key in ["total"] + processes])
+    return markdown(header, rows)
+
+
+def _at(value, *keys):
+    for key in keys:
+        value = value.get(key) if value is not None else None
+    return value
 
 
 def times(summary):

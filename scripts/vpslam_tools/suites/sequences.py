@@ -66,7 +66,8 @@ def add_arguments(group):
     group.add_argument("--seeds", type=run_command.at_least(1), default=1, metavar="N",
                        help="run each sequence with the seeds 1 to N (default: 1)")
     group.add_argument("--pace", default="lockstep", metavar="PACE[,PACE]",
-                       help="as `vpslam run` has it; several stand side by side (default: lockstep)")
+                       help="as `vpslam run` has it; several, such as lockstep,realtime, stand side "
+                       "by side (default: lockstep)")
     group.add_argument("--sequence", action="append", default=[], metavar="NAME",
                        help="only this one; may be repeated")
     group.add_argument("--frames", type=run_command.at_least(1), metavar="N",

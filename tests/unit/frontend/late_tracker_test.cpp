@@ -124,12 +124,36 @@ TEST(LateTracker, GivesUpAfterThreeFailures) {
   EXPECT_EQ(Fixture::SeqsOf(f.Run()), expected);
 }
 
+TEST(LateTracker, BackFromAFrameThatWasFoundAgain) {
+  Fixture f(7);
+  const Frame found = f.s.TrackedFrame(PoseOf(18), 18);
+  f.late.Return(f.frames, found);
+  std::vector<int64_t> expected;
+  for (int64_t seq = 17; seq >= 0; --seq) expected.push_back(seq);
+  EXPECT_EQ(Fixture::SeqsOf(f.Run()), expected);
+}
+
+TEST(LateTracker, MergersOfMapsAreFollowed) {
+  Fixture f(8);
+  f.late.Return(f.frames, f.s.TrackedFrame(PoseOf(20), 20));
+  std::vector<Frame> placed;
+  for (int i = 0; f.late.Busy() && i < 100; ++i) {
+    if (i == 8) f.s.map.map.Transform(MapId(0), {ExpSo3({0.5, 1, -0.5}), {1, 2, 3}, 4});
+    if (auto frame = f.late.Step(f.s.context())) placed.push_back(std::move(*frame));
+  }
+  ASSERT_EQ(placed.size(), 20u);
+  for (const Frame& frame : placed) {
+    SE3 cam_from_world;
+    ASSERT_TRUE(f.s.map.map.Place(frame.reference, frame.cam_from_reference, &cam_from_world));
+    const SE3 truth = TransformWorld(PoseOf(frame.seq), {ExpSo3({0.5, 1, -0.5}), {1, 2, 3}, 4});
+    EXPECT_LT((cam_from_world.Center() - truth.Center()).norm() / 4, 0.02) << frame.seq;
+  }
+}
+
 TEST(LateTracker, NothingToPlace) {
   Fixture f(5);
   f.late.Start({}, f.first, kSecond);
   EXPECT_TRUE(f.Run().empty());
-  f.late.Start(f.frames, f.first, kSecond);
-  f.late.Clear();
   EXPECT_FALSE(f.late.Busy());
   EXPECT_FALSE(f.late.Step(f.s.context()));
   // A map that is gone.

@@ -152,7 +152,7 @@ TEST(IsKeyframe, CountsFramesAndPoints) {
   Frame frame;
   const auto is_keyframe = [&](int inliers, int frames_since) {
     frame.inliers = inliers;
-    return IsKeyframe(frame, reference, frames_since, s.map.map, options);
+    return IsKeyframe(frame, reference, EarlierKeyframes{frames_since, 0}, s.map.map, options);
   };
   const int limit = static_cast<int>(std::ceil(0.9 * sure));
   EXPECT_TRUE(is_keyframe(limit - 1, 3));
@@ -160,7 +160,31 @@ TEST(IsKeyframe, CountsFramesAndPoints) {
   EXPECT_FALSE(is_keyframe(limit - 1, 2)) << "too soon";
   EXPECT_TRUE(is_keyframe(15, 3));
   EXPECT_FALSE(is_keyframe(14, 3)) << "a frame that sees nothing is no help";
-  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(99), 10, s.map.map, options)) << "unknown reference";
+  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(99), {10, 0}, s.map.map, options))
+      << "unknown reference";
+}
+
+TEST(IsKeyframe, KeyframesAreThinnedOutWhileTheBackendIsBusy) {
+  TrackingScene s(8, {}, 4);
+  const KeyframeId reference(1);
+  int sure = 0;
+  for (const PointId id : s.map.map.Find(reference)->points) {
+    const MapPoint* point = s.map.map.Find(id);
+    sure += point && point->observations.size() >= 3;
+  }
+  const KeyframePolicyOptions options{
+      .max_unanswered = 2, .max_unanswered_when_weak = 3, .weak_tracked_ratio = 0.5};
+  Frame frame;
+  const auto is_keyframe = [&](double share, int unanswered) {
+    frame.inliers = static_cast<int>(share * sure);
+    return IsKeyframe(frame, reference, {1, unanswered}, s.map.map, options);
+  };
+  EXPECT_TRUE(is_keyframe(0.8, 0));
+  EXPECT_TRUE(is_keyframe(0.8, 1));
+  EXPECT_FALSE(is_keyframe(0.8, 2));
+  EXPECT_TRUE(is_keyframe(0.4, 2)) << "tracking is about to be lost";
+  EXPECT_FALSE(is_keyframe(0.4, 3)) << "the backlog is bounded in any case";
+  EXPECT_FALSE(is_keyframe(0.95, 0));
 }
 
 TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
@@ -169,9 +193,9 @@ TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
   for (const PointId id : s.map.map.Find(KeyframeId(0))->points) two += id.IsValid();
   Frame frame;
   frame.inliers = static_cast<int>(0.9 * two) - 1;
-  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), 1, s.map.map, {}));
+  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
   frame.inliers += 2;
-  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), 1, s.map.map, {}));
+  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ class Lockstep {
   Tracker tracker;
   Mapper mapper;
   Map replica;
-  std::map<int64_t, FramePose> poses;  ///< the last of each frame
+  std::map<int64_t, FramePose> poses;        ///< the last of each frame
+  std::map<int64_t, FramePose> first_poses;  ///< as they were when the frame was new
   std::vector<KeyframeProposal> keyframes;
   std::string bytes;  ///< of all that was published
 
@@ -74,16 +75,14 @@ class Lockstep {
   bool PoseOf(int64_t seq, SE3* cam_from_world) const {
     const auto at = poses.find(seq);
     if (at == poses.end() || at->second.state != TrackingState::kTracking) return false;
-    SE3 reference;
-    if (!replica.CamFromWorld(at->second.reference, &reference)) return false;
-    *cam_from_world = at->second.cam_from_reference * reference;
-    return true;
+    return replica.Place(at->second.reference, at->second.cam_from_reference, cam_from_world);
   }
 
  private:
   void Take(const Tracker::Output& output) {
     for (FramePose pose : output.poses) {
       poses[pose.frame_seq] = pose;
+      first_poses.try_emplace(pose.frame_seq, pose);
       ExpectConsistent(pose);
       pose.times = TrackingTimes();
       Append(Encode(Header(), pose));
@@ -96,14 +95,13 @@ class Lockstep {
   }
   /// Both ways to say where the frame stands agree, in the map as it is when they are said.
   void ExpectConsistent(const FramePose& pose) const {
-    SE3 reference;
+    SE3 placed;
     if (pose.state != TrackingState::kTracking) return;
-    if (!replica.CamFromWorld(pose.reference, &reference)) {
+    if (!replica.Place(pose.reference, pose.cam_from_reference, &placed)) {
       EXPECT_EQ(pose.keyframe, pose.reference) << "what is not in the map is on its way there";
       return;
     }
-    EXPECT_LT(LocalCoordinates(pose.cam_from_reference * reference, pose.cam_from_world).norm(),
-              1e-9)
+    EXPECT_LT(LocalCoordinates(placed, pose.cam_from_world).norm(), 1e-9)
         << "frame " << pose.frame_seq;
   }
   void Append(const std::vector<uint8_t>& encoded) { bytes.append(encoded.begin(), encoded.end()); }

@@ -7,10 +7,12 @@
 namespace vpslam {
 namespace {
 
-bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame, MapId map = MapId(0),
-                const RelocalizerOptions& options = {}) {
+bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame,
+                const std::vector<MapId>& except = {}, const RelocalizerOptions& options = {}) {
   std::mt19937_64 rng(seed);
-  return vpslam::Relocalize(s.context(), map, options, TrackerOptions(), rng, frame);
+  TrackerOptions tracking;
+  tracking.relocalizer = options;
+  return Relocalizer(tracking).Find(s.context(), except, rng, frame);
 }
 
 TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
@@ -68,19 +70,24 @@ TEST(Relocalizer, FewPointsAreNotEnough) {
   EXPECT_FALSE(Relocalize(s, 1, &frame)) << "50 are asked for";
 }
 
-TEST(Relocalizer, OnlyInTheMapThatIsMeant) {
+TEST(Relocalizer, NotInAMapThatIsLeftOut) {
   TrackingScene s(6, {});
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
-  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(1)));
-  EXPECT_TRUE(Relocalize(s, 1, &frame, MapId(0)));
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {MapId(0)}));
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {MapId(1)}));
 }
 
 TEST(Relocalizer, TriesTheBestCandidates) {
   TrackingScene s(7, {}, 5);
   Frame frame = s.NewFrame(PoseAt({0.9, 0, 0}), 0);
-  EXPECT_TRUE(Relocalize(s, 1, &frame, MapId(0), {.max_candidates = 1}));
-  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(0), {.max_candidates = 0}));
-  EXPECT_FALSE(Relocalize(s, 1, &frame, MapId(0), {.min_matches = 10000}));
+  RelocalizerOptions options;
+  options.max_candidates = 1;
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, options));
+  options.max_candidates = 0;
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, options));
+  options = {};
+  options.min_matches = 10000;
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, options));
 }
 
 TEST(Relocalizer, SameInputSameResult) {

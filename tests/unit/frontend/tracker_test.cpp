@@ -96,6 +96,103 @@ TEST(Tracker, LostAndFoundAgain) {
   EXPECT_EQ(count, 46);
 }
 
+/// Walks along the left of the wall, is covered, carried to the far right, and walks back from
+/// there. What is seen of the wall from the places up to -10 and from those down to 110 does not
+/// overlap.
+class CarriedAway : public ::testing::Test {
+ protected:
+  static constexpr int kWalk = 40, kCovered = 3, kFar = 140, kMet = 85;
+
+  Lockstep run;
+  std::vector<int> places;  ///< by frame; -1000 for an image of nothing
+
+  FramePose Visit(int place) {
+    places.push_back(place);
+    return run.Track(place == -1000 ? Room().Blank() : ImageOf(place));
+  }
+  void GoFarAway() {
+    for (int i = 0; i < kWalk; ++i) Visit(i - 10 - kWalk);
+    for (int i = 0; i < kCovered; ++i) Visit(-1000);
+    for (int place = kFar; place >= kMet; --place) Visit(place);
+  }
+  double RmseOfAll(int* count) {
+    return Rmse(
+        run, [this](int64_t seq) { return places[static_cast<size_t>(seq)]; }, count);
+  }
+};
+
+TEST_F(CarriedAway, ANewMapIsBegunAndTheOldOneStays) {
+  GoFarAway();
+  const FramePose last = run.poses.at(static_cast<int64_t>(places.size()) - 1);
+  ASSERT_EQ(last.state, TrackingState::kTracking);
+  EXPECT_EQ(last.map, MapId(1));
+  EXPECT_EQ(run.replica.Maps(), (std::vector<MapId>{MapId(0), MapId(1)}));
+  for (int seq = kWalk; seq < kWalk + 30; ++seq) {
+    EXPECT_EQ(run.first_poses.at(seq).state, TrackingState::kLost) << seq;
+    EXPECT_EQ(run.first_poses.at(seq).map, MapId(0)) << seq;
+  }
+  run.Finish();
+  // What was filmed shortly before the new map stood is placed in it.
+  for (int seq = kWalk + 20; seq < kWalk + 30; ++seq) {
+    EXPECT_EQ(run.poses.at(seq).state, TrackingState::kTracking) << seq;
+    EXPECT_EQ(run.poses.at(seq).map, MapId(1)) << seq;
+    EXPECT_FALSE(run.poses.at(seq).live);
+  }
+  EXPECT_EQ(run.poses.at(kWalk + 1).state, TrackingState::kLost);
+}
+
+TEST_F(CarriedAway, BackInTheOldMapItIsFoundThereAtOnce) {
+  GoFarAway();
+  Visit(-20);  // map 1 may still be on probation, which ends here
+  const FramePose pose = Visit(-21);
+  EXPECT_EQ(pose.state, TrackingState::kTracking);
+  EXPECT_EQ(pose.map, MapId(0)) << "the jump loses map 1, and map 0 has the place";
+  EXPECT_EQ(run.replica.num_merged(), 0) << "nothing shows both";
+}
+
+TEST_F(CarriedAway, MapsThatMeetAreMerged) {
+  GoFarAway();
+  int merged_at = -1000;
+  for (int place = kMet - 1; place > -20; --place) {
+    const FramePose pose = Visit(place);
+    ASSERT_EQ(pose.state, TrackingState::kTracking) << place;
+    if (merged_at == -1000 && run.replica.num_merged() > 0) merged_at = place;
+    if (place < merged_at) {
+      EXPECT_EQ(pose.map, MapId(0)) << place;
+    }
+  }
+  // At 26 half of the wall in view is what was seen from -10: 3 m to the side, of 36 degrees.
+  EXPECT_GT(merged_at, 26);
+  EXPECT_EQ(run.replica.Maps(), std::vector<MapId>{MapId(0)});
+  run.Finish();
+  int count = 0;
+  EXPECT_LT(RmseOfAll(&count), 0.05) << "over eleven";
+  EXPECT_GE(count, static_cast<int>(places.size()) - kCovered - 20);
+}
+
+TEST(Tracker, StartedAgainItTakesTheMapOver) {
+  Lockstep run;
+  run.Walk(0, 40);
+  const int keyframes = run.replica.keyframe_end();
+  // Another process, in which nothing is left but what the backend tells.
+  Tracker again(Room().camera, TrackerOptions(), 2);
+  for (const MapDelta& delta : run.mapper.Snapshot()) EXPECT_TRUE(again.Apply(delta));
+  int proposed = 0;
+  for (int i = 30; i < 60; ++i) {
+    ImageFrame image;
+    image.frame_seq = i + 50;
+    image.pixels = ImageOf(i);
+    const Tracker::Output output = again.Track(image);
+    EXPECT_EQ(output.poses.front().state, TrackingState::kTracking) << i;
+    EXPECT_EQ(output.poses.front().map, MapId(0)) << i;
+    for (const KeyframeProposal& proposal : output.keyframes) {
+      EXPECT_EQ(proposal.id.value, keyframes + proposed++);
+      for (const MapDelta& delta : run.mapper.Process(proposal)) EXPECT_TRUE(again.Apply(delta));
+    }
+  }
+  EXPECT_GE(proposed, 1);
+}
+
 TEST(Tracker, AMapThatIsLostWhileYoungIsGivenUp) {
   Lockstep run;
   int i = 0;

@@ -69,8 +69,10 @@ class FakeTracker {
   TrackerCalls Calls() {
     return {[](const ImageFrame& image) { return Extract(image); },
             [this](const FrameFeatures& f, const GetLines& lines) { return Track(f, lines); },
-            [this](const MapDelta& delta) { return Apply(delta); }, [this] { return Finish(); },
-            [this] { return version_; }};
+            [this](const MapDelta& delta) { return Apply(delta); },
+            [this] { return Finish(); },
+            [this] { return version_; },
+            [this](int keyframes) { unanswered_.push_back(keyframes); }};
   }
 
   /// One feature, in which the image's first pixel is kept.
@@ -87,6 +89,7 @@ class FakeTracker {
   }
 
   Tracker::Output Track(const FrameFeatures& image, const GetLines& get_lines) {
+    if (work_ > work_.zero()) std::this_thread::sleep_for(work_);
     const LineSet* lines = get_lines();
     frames_of_lines_.push_back(lines ? lines->frame_seq : -1);
     log_.push_back(fmt::format("image {} {} with {} keyframes", image.frame_seq,
@@ -129,6 +132,8 @@ class FakeTracker {
   std::vector<std::string> log_;
   std::set<KeyframeId> replica_;
   std::vector<int64_t> frames_of_lines_;  ///< per image; -1: none
+  std::vector<int> unanswered_;           ///< per image: keyframes without an answer
+  std::chrono::milliseconds work_{0};
   int64_t version_ = 0;
   int64_t refuse_version_ = -1;
   int next_id_ = 0;

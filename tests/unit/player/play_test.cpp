@@ -149,6 +149,53 @@ TEST_F(PlayTest, WaitsUntilTheFrontendIsReady) {
   EXPECT_EQ(images, 1);
 }
 
+TEST_F(PlayTest, LosslessKeepsAFewImagesOnTheirWay) {
+  options_.pace = Pace::kLossless;
+  StartPlayer(9);
+  frontend_status_->SetState(ProcessState::kReady);
+  ASSERT_TRUE(bus_->WaitFor([this] { return images_->size() == 4; }, seconds(20)));
+  EXPECT_FALSE(bus_->WaitFor([this] { return images_->size() > 4; }, milliseconds(150)))
+      << "nobody is done with any image";
+  int i = 0;
+  Consume([&](const ImageFrame& frame) {
+    EXPECT_EQ(frame.frame_seq, i);
+    EXPECT_EQ(frame.pixels.at<uint8_t>(15, 31), 50 + i) << "a slot in use was written";
+    ++i;
+  });
+  EXPECT_EQ(i, 9);
+  EXPECT_EQ(sent_, 9);
+}
+
+TEST_F(PlayTest, RealtimeKeepsTheTempoWhoeverFollows) {
+  options_.pace = Pace::kRealtime;
+  constexpr int kFrames = 6;  // 0.1 s apart
+  StartPlayer(kFrames);
+  frontend_status_->SetState(ProcessState::kReady);
+  ASSERT_TRUE(bus_->WaitFor([this] { return images_->HasNews(); }, seconds(20)));
+  // Nothing is done with until the last one is there.
+  ASSERT_TRUE(bus_->WaitFor([this] { return images_->size() == kFrames; }, seconds(20)));
+  std::vector<int64_t> published_us;
+  Consume([&](const ImageFrame& frame) { published_us.push_back(frame.published_us); });
+  ASSERT_EQ(published_us.size(), static_cast<size_t>(kFrames));
+  // A machine under load may be late with the first or the last of them.
+  const int64_t span_us = published_us.back() - published_us.front();
+  EXPECT_GT(span_us, 100'000 * (kFrames - 1) - 80'000);
+  EXPECT_LT(span_us, 100'000 * (kFrames - 1) + 800'000);
+  EXPECT_EQ(sent_, kFrames);
+  EXPECT_EQ(error_, "");
+}
+
+TEST_F(PlayTest, RealtimeCanBeStoppedWhileItWaits) {
+  options_.pace = Pace::kRealtime;
+  StartPlayer(100000);
+  int images = 0;
+  Consume([&](const ImageFrame&) {
+    if (++images == 3) stop_ = true;
+    bus_->Notify();
+  });
+  EXPECT_EQ(sent_, 3);
+}
+
 TEST_F(PlayTest, StopsInOrder) {
   StartPlayer(100);
   int images = 0;

@@ -34,12 +34,33 @@ TEST(ProgressLine, ShowsTheNewestFrameAndItsMap) {
   EXPECT_EQ(line["state"], "tracking");
   EXPECT_EQ(line["keyframes"], 2);
   EXPECT_EQ(line["points"], 1);
+  EXPECT_EQ(line["map"], 1);
+  EXPECT_EQ(line["maps"], 2);
+  EXPECT_EQ(line["maps_merged"], 0);
+  EXPECT_EQ(line["frames_lost"], 0);
   EXPECT_EQ(line["dropped"], 15);
   EXPECT_EQ(line["fps"], 0);
   EXPECT_EQ(line["processes"]["frontend"], "running");
+  EXPECT_TRUE(line["messages"].empty());
+  ProcessStatus player = MakeStatus("player", 4, 6, 0, 0);
+  player.message = "the lens is dirty";
+  run.Add(player);
+  EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["messages"]["player"], "the lens is dirty");
   run.Add(MakePose(21, 1, 0, SE3(), SE3()));
   run.Add(MakePose(25, 1, 0, SE3(), SE3()));
   EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["fps"], 4);  // two in half a second
+  for (const int i : {26, 27}) {
+    FramePose lost = MakePose(i, 1, 0, SE3(), SE3());
+    lost.state = TrackingState::kLost;
+    run.Add(lost);
+  }
+  delta = MakeDelta(1);
+  delta.merged_maps = {{MapId(1), MapId(0)}};
+  ASSERT_TRUE(run.Apply(delta));
+  const auto later = nlohmann::json::parse(ProgressLine(run));
+  EXPECT_EQ(later["state"], "lost");
+  EXPECT_EQ(later["frames_lost"], 2);
+  EXPECT_EQ(later["maps_merged"], 1);
 }
 
 }  // namespace

@@ -45,7 +45,11 @@ RunRecord MakeRun() {
   run.Add(late);
   run.Add(MakeStatus("player", 1, 6, 0.08, 40));
   run.Add(MakeStatus("frontend", 2, 4, 0.1, 100));  // was restarted: its shares add up
-  run.Add(MakeStatus("frontend", 3, 2, 0.1, 120));
+  ProcessStatus again = MakeStatus("frontend", 3, 2, 0.1, 120);
+  again.dropped = 2;
+  again.gaps = 1;
+  again.resent = 5;
+  run.Add(again);
   return run;
 }
 
@@ -104,6 +108,9 @@ TEST(Results, Summary) {
     "frames": {"in": 6, "processed": 4, "dropped": 2, "dropped_before_init": 0, "tracked": 3},
     "latency_ms": {"median": 30.0, "p95": 48.5},
     "cpu_ms_per_frame": {"frontend": 50.0, "player": 20.0, "total": 70.0},
+    "messages": {
+      "frontend": {"dropped": 2, "gaps": 1, "rejected": 0, "resent": 5},
+      "player": {"dropped": 0, "gaps": 0, "rejected": 0, "resent": 0}},
     "stages_ms": {"decode": 2.0, "transport": null, "features": 6.0, "lines": null, "vps": null,
       "wait_for_lines": null, "initial_pose": null, "rotation": null, "translation": null,
       "local_map": null, "total": 30.0, "insertion": 1.5, "feature_culling": null,

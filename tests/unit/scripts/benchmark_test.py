@@ -109,6 +109,15 @@ class Command(BenchTest):
             file.write("# another\n")
         self.assertEqual(self.bench(*options, "--frames", "7")[2], 2)
 
+    def test_paces_side_by_side(self):
+        self.sequence("car_park")
+        status, output, count = self.bench("--suite", "shared", "--data", "data", "--out", "out",
+                                           "--pace", "lockstep,realtime", "--no-pictures")
+        self.assertEqual((status, count), (0, 2), output)
+        self.assertIn("| lockstep: ATE (m) | coverage | rotation (deg) | realtime: ATE (m) |", output)
+        for pace in ("lockstep", "realtime"):
+            self.assertIn(f"| car_park | {pace} | 0 | 0 |", output)
+
     def test_a_failure_is_told_and_tried_again(self):
         self.sequence("car_park", "red_kitchen")
         options = ("--suite", "shared", "--data", "data", "--out", "out", "--no-pictures")
@@ -180,6 +189,25 @@ class Parts(BenchTest):
         self.assertEqual(figures["ate_m"], {"median": 0.2, "worst": 0.4, "runs": 3})
         self.assertEqual(figures["coverage"], {"median": 0.7, "worst": 0.0})
         self.assertEqual(figures["why"], "failed: x")
+
+    def test_frames_that_were_dropped_count(self):
+        (self.folder / "frames.csv").write_text(TRACKING + "0,0.0,lost,0,,,,,,,,,,,\n" * 6)
+        (self.folder / "trajectory.txt").write_text("".join(
+            f"{i} {i} 0 0 0 0 0 1\n" for i in range(5)))
+        (self.folder / "summary.json").write_text('{"frames": {"in": 10}}')
+        figures = scores.score(self.folder)
+        self.assertEqual((figures["frames"], figures["coverage"]), (10, 0.5))
+
+    def test_budget(self):
+        def summary(dropped, before, latency_ms, backend_ms):
+            return {"frames": {"dropped": dropped, "dropped_before_init": before},
+                    "latency_ms": {"median": latency_ms, "p95": None},
+                    "cpu_ms_per_frame": {"backend": backend_ms, "total": backend_ms + 5}}
+        table = tables.budget([("desk", "realtime", [summary(3, 1, 8, 20), summary(4, 4, 9, 21),
+                                                     summary(0, 0, 7, 30)]),
+                               ("desk", "lockstep", [{"frames": {"dropped": 0}}])])
+        self.assertIn("| desk | realtime | 4 | 2 | 8.0 | - | 26.0 | 21.0 |", table)
+        self.assertIn("| desk | lockstep | 0 | 0 | - | - | - | - |", table)
 
     def test_times(self):
         (self.folder / "frames.csv").write_text(

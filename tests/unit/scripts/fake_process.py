@@ -52,7 +52,8 @@ while MISBEHAVIOUR == "hang" or not stopped:
         break
     if NAME == "recorder":
         print('{"frame": %d, "fps": 29.5, "state": "tracking", "keyframes": 4, "points": 321, '
-              '"dropped": 0, "processes": {}}' % frame, flush=True)
+              '"dropped": 0, "processes": {}, "messages": {"player": "the lens is dirty"}}' % frame,
+              flush=True)
         frame += 1
     time.sleep(0.02)
 

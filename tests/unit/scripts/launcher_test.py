@@ -102,6 +102,7 @@ class GoodRun(LauncherTest):
         self.assertEqual(status, 0, output)
         self.assertRegex(output, r"LCM URL  udpm://239\.255\.76\.67:\d+\?ttl=0")
         self.assertRegex(output, r"frame \d+  29.5 fps  tracking  keyframes 4  points 321")
+        self.assertEqual(output.count("player: the lens is dirty"), 1, "told once")
         self.assertIn("ATE      0.0000 m", output)
         self.assertIn("coverage 0.7500", output)
         self.assertIn(str(self.folder / "out"), output)

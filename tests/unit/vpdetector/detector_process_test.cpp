@@ -373,7 +373,7 @@ TEST(SharedDetectors, TwoGiveWhatOneGives) {
     Rest rest;
     std::vector<std::unique_ptr<Instance>> detectors;
     for (int i = 0; i < instances; ++i) detectors.push_back(std::make_unique<Instance>());
-    LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace("lockstep"));
+    LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace(Pace::kLockstep));
     ASSERT_TRUE(rest.IsReady());
     answers[instances - 1] = PlayInLockstep(rest, source, 0, 12);
   }
@@ -384,7 +384,7 @@ TEST(SharedDetectors, TwoGiveWhatOneGives) {
 
 TEST(SharedDetectors, OneThatDiesCostsNothingAndOneThatComesTakesItsShare) {
   Rest rest;
-  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace("lockstep"));
+  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace(Pace::kLockstep));
   auto first = std::make_unique<Instance>();
   ASSERT_TRUE(rest.IsReady());
   EXPECT_EQ(PlayInLockstep(rest, source, 0, 4).size(), 4u);
@@ -405,14 +405,14 @@ TEST(SharedDetectors, OneThatDiesCostsNothingAndOneThatComesTakesItsShare) {
 TEST(SharedDetectors, LossesAreMadeGood) {
   Rest rest(SmallCamera(), 0.1);
   Instance one(0.1), two(0.1);
-  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace("lockstep"));
+  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace(Pace::kLockstep));
   ASSERT_TRUE(rest.IsReady());
   EXPECT_EQ(PlayInLockstep(rest, source, 0, 20).size(), 20u);
 }
 
 TEST(SharedDetectors, InRealtimeAnImageGoesOnWithoutLines) {
   Rest rest;
-  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace("realtime"));
+  LineSource source(rest.bus_, rest.peers_, LineSourceOptions::ForPace(Pace::kRealtime));
   ImageFrame image;
   image.published_us = 0;  // long ago
   image.pixels = Picture();

@@ -12,19 +12,22 @@ class RandomMap {
   explicit RandomMap(uint32_t seed) : rng_(seed) {}
 
   Map map;
+  MapId grows{0};  ///< the map that steps add to
 
   /// One keyframe more, with new points, and some that are fused, erased or moved.
   void Step() {
     Keyframe keyframe;
     keyframe.id = KeyframeId(next_++);
-    keyframe.map = MapId(0);
+    keyframe.map = grows;
     keyframe.frame_seq = 10 * keyframe.id.value;
-    keyframe.parent = keyframe.id.value > 0 ? KeyframeId(keyframe.id.value - 1) : KeyframeId();
-    keyframe.parent = map.LivingAncestor(keyframe.parent);
+    if (map.NumKeyframes(grows) > 0) {
+      keyframe.parent = map.LivingAncestor(KeyframeId(keyframe.id.value - 1));
+    }
     keyframe.cam_from_world = SE3(ExpSo3(Vector()), Vector());
     keyframe.points.resize(kFeatures);
     for (PointId& point : keyframe.points) {
       if (map.point_end() > 0 && Below(2) == 0) point = PointId(Below(map.point_end()));
+      if (map.Find(point) && map.Find(point)->map != grows) point = PointId();
     }
     keyframe.lines.resize(kSegments);
     for (LineId& line : keyframe.lines) {
@@ -39,12 +42,12 @@ class RandomMap {
     }
     for (int i = 0; i < kFeatures; ++i) {
       if (map.Find(keyframe.id)->points[i].IsValid()) continue;
-      const PointId point = map.CreatePoint(MapId(0), keyframe.id, Vector());
+      const PointId point = map.CreatePoint(grows, keyframe.id, Vector());
       map.Observe(keyframe.id, i, point);
     }
     for (int i = 0; i < 4; ++i) {
       const PointId a(Below(map.point_end())), b(Below(map.point_end()));
-      if (map.Find(a) && map.Find(b)) map.Fuse(a, b);
+      if (map.Find(a) && map.Find(b) && map.Find(a)->map == map.Find(b)->map) map.Fuse(a, b);
       const PointId c(Below(map.point_end()));
       if (map.Find(c)) map.SetPosition(c, Vector());
     }

@@ -96,23 +96,24 @@ inline bool Same(const InitialPoint& a, const InitialPoint& b) {
   return a.feature_in_first == b.feature_in_first && a.feature_in_second == b.feature_in_second &&
          a.position_in_world == b.position_in_world;
 }
+template <class Id>
+bool Same(const FeatureObservation<Id>& a, const FeatureObservation<Id>& b) {
+  return a.feature == b.feature && a.landmark == b.landmark;
+}
 inline bool Same(const KeyframeProposal& a, const KeyframeProposal& b) {
   return a.id == b.id && a.role == b.role && a.map == b.map && a.discarded_map == b.discarded_map &&
          a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us &&
          Same(a.cam_from_world, b.cam_from_world) && a.reference == b.reference &&
          Same(a.features, b.features) && a.points == b.points && Same(a.sightings, b.sightings) &&
          Same(a.initial_points, b.initial_points) && Same(a.lines, b.lines) &&
-         a.map_lines == b.map_lines;
-}
-template <class Id>
-bool Same(const FeatureObservation<Id>& a, const FeatureObservation<Id>& b) {
-  return a.feature == b.feature && a.landmark == b.landmark;
+         a.map_lines == b.map_lines && a.seam.map == b.seam.map &&
+         Same(a.seam.cam_from_world, b.seam.cam_from_world) && Same(a.seam.points, b.seam.points);
 }
 inline bool Same(const KeyframeState& a, const KeyframeState& b) {
   return a.id == b.id && a.map == b.map && a.frame_seq == b.frame_seq && a.stamp_us == b.stamp_us &&
          a.culled == b.culled && Same(a.cam_from_world, b.cam_from_world) && a.parent == b.parent &&
          Same(a.cam_from_parent, b.cam_from_parent) && Same(a.points, b.points) &&
-         Same(a.lines, b.lines);
+         Same(a.lines, b.lines) && a.unit == b.unit;
 }
 inline bool Same(const PointGeometry& a, const PointGeometry& b) {
   return a.id == b.id && a.position == b.position && a.normal == b.normal &&
@@ -136,6 +137,9 @@ inline bool Same(const MapManhattan& a, const MapManhattan& b) {
   return a.map == b.map && qa.has_value() == qb.has_value() &&
          (!qa || qa->coeffs() == qb->coeffs());
 }
+inline bool Same(const MapMerger& a, const MapMerger& b) {
+  return a.from == b.from && a.into == b.into;
+}
 inline bool Same(const MapDelta& a, const MapDelta& b) {
   return a.base_version == b.base_version && a.version == b.version && a.snapshot == b.snapshot &&
          a.answers == b.answers && Same(a.times.insertion_ms, b.times.insertion_ms) &&
@@ -144,10 +148,10 @@ inline bool Same(const MapDelta& a, const MapDelta& b) {
          Same(a.times.keyframe_culling_ms, b.times.keyframe_culling_ms) &&
          Same(a.times.local_ba_ms, b.times.local_ba_ms) &&
          Same(a.times.total_ms, b.times.total_ms) && a.erased_maps == b.erased_maps &&
-         Same(a.keyframes, b.keyframes) && Same(a.appearances, b.appearances) &&
-         Same(a.geometries, b.geometries) && Same(a.tombstones, b.tombstones) &&
-         Same(a.lines, b.lines) && Same(a.line_tombstones, b.line_tombstones) &&
-         Same(a.manhattan_frames, b.manhattan_frames);
+         Same(a.merged_maps, b.merged_maps) && Same(a.keyframes, b.keyframes) &&
+         Same(a.appearances, b.appearances) && Same(a.geometries, b.geometries) &&
+         Same(a.tombstones, b.tombstones) && Same(a.lines, b.lines) &&
+         Same(a.line_tombstones, b.line_tombstones) && Same(a.manhattan_frames, b.manhattan_frames);
 }
 inline bool Same(const MapRequest& a, const MapRequest& b) {
   return a.process == b.process && a.map_version == b.map_version;

@@ -163,6 +163,9 @@ class RandomMessages {
     }
     k.lines = Lines();
     for (size_t i = 0; i < k.lines.lines.size(); ++i) k.map_lines.push_back(LineId(Int(-1, 9999)));
+    k.seam.map = MapId(Int(-1, 9));
+    k.seam.cam_from_world = Pose();
+    for (int i = 0; i < num_features; i += 3) k.seam.points.push_back({i, PointId(Int(0, 9999))});
     return k;
   }
 
@@ -174,6 +177,7 @@ class RandomMessages {
     d.answers = KeyframeId(Int(-1, 99));
     d.times = {Time(), Time(), Time(), Time(), Time(), Time()};
     for (int i = Int(0, 3); i > 0; --i) d.erased_maps.push_back(MapId(Int(0, 9)));
+    for (int i = Int(0, 3); i > 0; --i) d.merged_maps.push_back({MapId(i), MapId(Int(10, 19))});
     for (int i = Int(0, 5); i > 0; --i) {
       KeyframeState k;
       k.id = KeyframeId(Int(0, 99));
@@ -184,6 +188,7 @@ class RandomMessages {
       k.cam_from_world = Pose();
       k.parent = KeyframeId(Int(-1, 99));
       k.cam_from_parent = Pose();
+      k.unit = Real(0.1, 9);
       for (int j = Int(0, 30); j > 0; --j) {
         k.points.push_back({Int(0, 999), PointId(Int(0, 9999))});
       }

@@ -1,0 +1,34 @@
+#include "frontend/seam_finder.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace vpslam {
+
+std::optional<MapSeam> SeamFinder::Look(const TrackingContext& context, const Frame& frame,
+                                        MapId map, MapId discarded, std::mt19937_64& rng,
+                                        Relocalizer* relocalizer) {
+  if (--frames_to_wait_ > 0) return std::nullopt;
+  std::vector<MapId> except{map, discarded};
+  std::sort(except.begin(), except.end());
+  const std::vector<MapId> maps = context.map.Maps();
+  if (std::includes(except.begin(), except.end(), maps.begin(), maps.end())) return std::nullopt;
+  frames_to_wait_ = options_.interval_frames;
+  Frame elsewhere = frame;
+  if (!relocalizer->Find(context, except, rng, &elsewhere)) return std::nullopt;
+  MapSeam seam;
+  int common = 0;
+  for (int i = 0; i < frame.features.size(); ++i) {
+    const MapPoint* point = context.map.Find(elsewhere.points[i]);
+    if (!point) continue;
+    seam.map = point->map;
+    seam.points.push_back({i, point->id});
+    common += context.map.Find(frame.points[i]) != nullptr;
+  }
+  if (common < options_.min_common) return std::nullopt;
+  seam.cam_from_world = elsewhere.cam_from_world;
+  frames_to_wait_ = options_.interval_after_seam_frames;
+  return seam;
+}
+
+}  // namespace vpslam

@@ -1,0 +1,27 @@
+// Notices that a frame which is tracked in one map shows another map as well, so that the backend
+// can merge the two.
+#pragma once
+
+#include <optional>
+#include <random>
+
+#include "core/messages/keyframe_proposal.h"
+#include "frontend/relocalizer.h"
+
+namespace vpslam {
+
+class SeamFinder {
+ public:
+  explicit SeamFinder(const SeamOptions& options) : options_(options) {}
+
+  /// `frame` is tracked in `map`; looks, at its turn, for it in all maps but this and `discarded`.
+  /// A seam has at least min_common features that show points of both maps.
+  std::optional<MapSeam> Look(const TrackingContext& context, const Frame& frame, MapId map,
+                              MapId discarded, std::mt19937_64& rng, Relocalizer* relocalizer);
+
+ private:
+  SeamOptions options_;
+  int frames_to_wait_ = 0;
+};
+
+}  // namespace vpslam

@@ -1,0 +1,83 @@
+"""A frontend that is killed and started again goes on in the same map."""
+
+import csv
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import unittest
+
+import system
+
+sys.path.insert(0, str(system.SOURCE / "scripts"))
+
+KILL_AFTER = 70       # frames
+MAX_FRAMES_LOST = 15  # half a second; what the killed one had in hand is among them
+MAX_ATE_M = 0.02
+
+
+def run_graph(sequence, out):
+    """The graph by hand, since a launcher would end a run whose frontend dies."""
+    from vpslam_tools import multicast, paths
+    multicast.ensure_multicast()
+    url = f"udpm://239.255.76.67:{20000 + os.getpid() % 20000}?ttl=0&recv_buf_size=4194304"
+    running = []
+
+    def start(name, *arguments, **options):
+        log = open(out / f"{name}-{len(running)}.log", "w")
+        running.append(subprocess.Popen([paths.binaries() / name, "--url", url, *arguments],
+                                        stderr=log, **{"stdout": log, **options}))
+        return running[-1]
+
+    try:
+        recorder = start("recorder", "--out", str(out), "--progress", stdout=subprocess.PIPE,
+                         text=True)
+        backend = start("backend")
+        frontend = start("frontend")
+        player = start("player", str(sequence))
+        for line in recorder.stdout:
+            if frontend and json.loads(line)["frame"] >= KILL_AFTER:
+                frontend.send_signal(signal.SIGKILL)
+                frontend.wait()
+                again, frontend = start("frontend"), None
+        return [process.wait(timeout=60) for process in (player, again, backend, recorder)]
+    finally:
+        for process in running:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+
+class Restart(system.SystemTest):
+    def test_tracks_again_in_the_same_map(self):
+        out = self.folder / "restart"
+        out.mkdir()
+        done = subprocess.run(
+            self.network + [sys.executable, "-s", __file__, str(system.sequence()), str(out)],
+            capture_output=True, text=True, timeout=300)
+        logs = "".join(path.read_text()[-1000:] for path in sorted(out.glob("*.log")))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr + logs)
+        self.assertEqual(json.loads(done.stdout), [0, 0, 0, 0], logs)
+        summary = json.loads((out / "summary.json").read_text())
+        self.assertEqual(summary["maps"], 1)
+        with open(out / "frames.csv", newline="") as table:
+            states = {int(row["frame"]): row["state"] for row in csv.DictReader(table)}
+        frames = len((system.sequence() / "rgb.txt").read_text().splitlines())
+        missing = [frame for frame in range(KILL_AFTER - 10, frames)
+                   if states.get(frame) != "tracking"]
+        self.assertLessEqual(len(missing), MAX_FRAMES_LOST, missing)
+        self.assertEqual(states[frames - 1], "tracking")
+        with open(out / "keyframes.csv", newline="") as table:
+            ids = [int(row["keyframe"]) for row in csv.DictReader(table)]
+        self.assertEqual(len(ids), len(set(ids)))
+        result = self.evaluate(out, system.sequence())
+        self.assertLess(result["ate_m"]["rmse"], MAX_ATE_M)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3 and not sys.argv[1].startswith("-"):
+        print(json.dumps(run_graph(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))))
+    else:
+        unittest.main()
