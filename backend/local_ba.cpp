@@ -49,7 +49,8 @@ class Adjustment {
     for (const PointId id : window.points) AddPoint(*map.Find(id), store);
     lines_.reserve(window.lines.size());
     for (const LineId id : window.lines) AddLine(*map.Find(id), store, map);
-    for (const KeyframeId id : window.moved) AddRotation(*map.Find(id), store.at(id).lines, manhattan);
+    for (const KeyframeId id : window.moved)
+      AddRotation(*map.Find(id), store.at(id).lines, manhattan);
   }
 
   BaSummary Solve(int max_iterations, double function_tolerance) {

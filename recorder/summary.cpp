@@ -123,7 +123,6 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
           {"keyframes", keyframes},
           {"points", points},
           {"lines", lines},
-          {"lines", 0},
           {"wall_s", Rounded(run.wall_s())},
           {"peak_rss_mb", rss},
           {"options", info.options},
