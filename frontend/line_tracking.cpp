@@ -27,7 +27,7 @@ int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines,
   int count = 0;
   for (const LineId id : lines) {
     const MapLine* line = context.map.Find(id);
-    if (!line || matched.contains(id)) continue;
+    if (!line || !matched.insert(id).second) continue;
     const auto predicted =
         PredictSegment(*line, frame->cam_from_world, context.camera, context.bounds);
     if (!predicted) continue;

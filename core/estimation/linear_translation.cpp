@@ -1,5 +1,7 @@
 #include "core/estimation/linear_translation.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -27,6 +29,12 @@ class NormalEquations {
     g_ += weight * a.transpose() * b;
   }
   Eigen::Vector3d Solve() const { return h_.ldlt().solve(g_); }
+  /// Of the rays about their mean. Where there is none, the translation along them is open.
+  double RaySpread_rad() const {
+    const double weight = h_(0, 0);
+    return std::sqrt(
+        std::max(0.0, h_(2, 2) / weight - (h_.col(2).head<2>() / weight).squaredNorm()));
+  }
 
  private:
   Eigen::Matrix3d h_ = Eigen::Matrix3d::Zero();
@@ -84,6 +92,8 @@ std::optional<Eigen::Vector3d> EstimateTranslation(const Camera& camera,
     for (const Row* row : best) {
       all.Add(*row, Weight(*row, t, round == 0 ? TranslationWeights::kNone : weights));
     }
+    constexpr double kMinRaySpread_rad = 0.01;  // in less it would be noise that tells how far
+    if (!(all.RaySpread_rad() >= kMinRaySpread_rad)) return std::nullopt;
     t = all.Solve();
     if (!t.allFinite()) return std::nullopt;
     best = Inliers(camera, rows, t);

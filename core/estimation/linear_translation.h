@@ -26,7 +26,7 @@ enum class TranslationWeights {
 
 /// RANSAC over two points at a time, whose inliers pass the chi-square gate, then least squares
 /// over all inliers, A^T A t = A^T b (the paper omits A^T on the right); twice with kInverseDepth,
-/// for depths depend on t. nullopt for fewer than `min_inliers`.
+/// for depths depend on t. nullopt for fewer than `min_inliers`, or where all lie about one ray.
 std::optional<Eigen::Vector3d> EstimateTranslation(const Camera& camera,
                                                    std::span<const PointMeasurement> points,
                                                    const Eigen::Quaterniond& cam_from_world,
