@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "backend/landmark_join.h"
 #include "backend/line_view.h"
 #include "core/features/line_matcher.h"
 #include "core/map/line_view.h"
@@ -33,33 +34,13 @@ class Fuser {
       if (!match || !Fits(*line, keyframe.cam_from_world, segments[match->index], camera_)) {
         continue;
       }
-      Join(id, keyframe, match->index);
+      changed_.insert(ObserveOrFuse(keyframe_id, keyframe.lines, match->index, id, map_));
     }
   }
 
   const std::set<LineId>& changed() const { return changed_; }
 
  private:
-  static bool IsObservedBy(const MapLine& line, KeyframeId keyframe) {
-    return std::any_of(line.observations.begin(), line.observations.end(),
-                       [keyframe](const Observation& o) { return o.keyframe == keyframe; });
-  }
-
-  void Join(LineId id, const Keyframe& keyframe, int segment) {
-    const LineId other_id =
-        segment < static_cast<int>(keyframe.lines.size()) ? keyframe.lines[segment] : LineId();
-    const MapLine* other = map_->Find(other_id);
-    if (!other) {
-      map_->Observe(keyframe.id, segment, id);
-      changed_.insert(id);
-      return;
-    }
-    // The better-known line stays.
-    const bool other_stays = other->observations.size() > map_->Find(id)->observations.size();
-    map_->Fuse(other_stays ? id : other_id, other_stays ? other_id : id);
-    changed_.insert(other_stays ? other_id : id);
-  }
-
   const Camera& camera_;
   const Camera::Bounds& bounds_;
   const KeyframeStore& store_;

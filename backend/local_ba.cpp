@@ -200,42 +200,19 @@ class Adjustment {
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
 };
 
-int RemoveOutliers(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
-                   const KeyframeStore& store, Map* map) {
-  std::vector<std::pair<KeyframeId, PointId>> outliers;
-  for (const PointId id : window.points) {
-    const MapPoint& point = *map->Find(id);
-    for (const Observation& o : point.observations) {
+/// Takes observations of the window away that do not fit; `fits` takes landmark and observation.
+template <class Id, class DoesFit>
+int RemoveOutliers(const BaWindow& window, const std::set<Id>& ids, const DoesFit& fits, Map* map) {
+  std::vector<std::pair<KeyframeId, Id>> outliers;
+  for (const Id id : ids) {
+    const auto& landmark = *map->Find(id);
+    for (const Observation& o : landmark.observations) {
       if (!window.moved.contains(o.keyframe) && !window.fixed.contains(o.keyframe)) continue;
-      const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
-      const Eigen::Vector3d x = map->Find(o.keyframe)->cam_from_world * point.position;
-      if (x.z() < kMinDepth || (camera.Project(x) - keypoint.Position()).squaredNorm() >
-                                   kChi2Dof2 * scales.sigma2(keypoint.octave)) {
-        outliers.emplace_back(o.keyframe, id);
-      }
+      if (!fits(landmark, o)) outliers.emplace_back(o.keyframe, id);
     }
   }
-  for (const auto& [keyframe, point] : outliers) {
-    if (map->Find(point)) map->Unobserve(keyframe, point);
-  }
-  return static_cast<int>(outliers.size());
-}
-
-int RemoveLineOutliers(const BaWindow& window, const Camera& camera, const KeyframeStore& store,
-                       Map* map) {
-  std::vector<std::pair<KeyframeId, LineId>> outliers;
-  for (const LineId id : window.lines) {
-    const MapLine& line = *map->Find(id);
-    for (const Observation& o : line.observations) {
-      if (!window.moved.contains(o.keyframe) && !window.fixed.contains(o.keyframe)) continue;
-      const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
-      if (!Fits(line, map->Find(o.keyframe)->cam_from_world, segment, camera)) {
-        outliers.emplace_back(o.keyframe, id);
-      }
-    }
-  }
-  for (const auto& [keyframe, line] : outliers) {
-    if (map->Find(line)) map->Unobserve(keyframe, line);
+  for (const auto& [keyframe, id] : outliers) {
+    if (map->Find(id)) map->Unobserve(keyframe, id);
   }
   return static_cast<int>(outliers.size());
 }
@@ -249,8 +226,18 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
   Adjustment adjustment(window, camera, scales, store, manhattan, options, *map);
   BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
   adjustment.WriteBack(map);
-  summary.outliers = RemoveOutliers(window, camera, scales, store, map);
-  summary.outliers += RemoveLineOutliers(window, camera, store, map);
+  const auto point_fits = [&](const MapPoint& point, const Observation& o) {
+    const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
+    const Eigen::Vector3d x = map->Find(o.keyframe)->cam_from_world * point.position;
+    return !(x.z() < kMinDepth || (camera.Project(x) - keypoint.Position()).squaredNorm() >
+                                      kChi2Dof2 * scales.sigma2(keypoint.octave));
+  };
+  const auto line_fits = [&](const MapLine& line, const Observation& o) {
+    return Fits(line, map->Find(o.keyframe)->cam_from_world,
+                store.at(o.keyframe).lines.lines[o.feature], camera);
+  };
+  summary.outliers = RemoveOutliers(window, window.points, point_fits, map) +
+                     RemoveOutliers(window, window.lines, line_fits, map);
   for (const PointId point : window.points) UpdateView(point, store, scales, map);
   for (const LineId line : window.lines) UpdateEnds(line, camera, store, map);
   return summary;

@@ -18,8 +18,8 @@ struct BaSummary {
   int keyframes = 0;  ///< moved
   int fixed_keyframes = 0;
   int points = 0;
-  int observations = 0;
-  int outliers = 0;  ///< observations taken out of the map afterwards
+  int observations = 0;  ///< of points
+  int outliers = 0;      ///< observations taken out of the map afterwards
   int iterations = 0;
   double initial_cost = 0;
   double final_cost = 0;

@@ -18,10 +18,7 @@ Eigen::Quaterniond WorldFromManhattan(const ManhattanMeasurement& m, const Keyfr
 }
 
 void Rename(const Eigen::Quaterniond& predicted, ManhattanMeasurement* m) {
-  const Eigen::Matrix3d measured = m->cam_from_manhattan.toRotationMatrix();
-  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
-  m->cam_from_manhattan =
-      Eigen::Quaterniond(Eigen::Matrix3d(measured * naming.Matrix())).normalized();
+  m->cam_from_manhattan = NamedNearest(m->cam_from_manhattan, predicted).normalized();
 }
 
 /// Weighted mean of rotations that lie within a few degrees of `start`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "backend/landmark_join.h"
 #include "backend/point_view.h"
 #include "core/features/matcher.h"
 #include "core/map/visibility.h"
@@ -39,33 +40,13 @@ class Fuser {
       query.accuracy = &scales_;
       const auto match = BestMatchInWindow(point->descriptor, query, stored.features, stored.grid);
       if (!match) continue;
-      Join(id, keyframe, match->index);
+      changed_.insert(ObserveOrFuse(keyframe_id, keyframe.points, match->index, id, map_));
     }
   }
 
   const std::set<PointId>& changed() const { return changed_; }
 
  private:
-  static bool IsObservedBy(const MapPoint& point, KeyframeId keyframe) {
-    return std::any_of(point.observations.begin(), point.observations.end(),
-                       [keyframe](const Observation& o) { return o.keyframe == keyframe; });
-  }
-
-  void Join(PointId id, const Keyframe& keyframe, int feature) {
-    const PointId other_id =
-        feature < static_cast<int>(keyframe.points.size()) ? keyframe.points[feature] : PointId();
-    const MapPoint* other = map_->Find(other_id);
-    if (!other) {
-      map_->Observe(keyframe.id, feature, id);
-      changed_.insert(id);
-      return;
-    }
-    // The better-known point stays.
-    const bool other_stays = other->observations.size() > map_->Find(id)->observations.size();
-    map_->Fuse(other_stays ? id : other_id, other_stays ? other_id : id);
-    changed_.insert(other_stays ? other_id : id);
-  }
-
   const Camera& camera_;
   const Camera::Bounds& bounds_;
   const ScalePyramid& scales_;

@@ -22,7 +22,6 @@ constexpr std::array kWords = {
     Word{"rate", "player", CommandAction::kSetRate, Word::Value::kNeeded},
     Word{"stop", "player", CommandAction::kStop},
     Word{"camera", "player", CommandAction::kSendCamera},
-    Word{"reset", "frontend", CommandAction::kReset},
     Word{"show", "frontend", CommandAction::kShow},
     Word{"save", "recorder", CommandAction::kSaveNow},
 };

@@ -60,7 +60,7 @@ Json SummarizeLog(const std::string& path) {
   }
   Json described = Json::object();
   for (const auto& [name, channel] : channels) {
-    const bool numbered = name != kAckChannel && name != kCommandChannel;
+    const bool numbered = HasSequence(name);
     described[name] = {{"messages", channel.messages},
                        {"missing", numbered ? Json(channel.missing) : Json()},
                        {"repeated", numbered ? Json(channel.repeated) : Json()},

@@ -2,23 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-namespace vpslam {
+#include "core/messages/state_names.h"
 
-std::string StateName(ProcessState state) {
-  switch (state) {
-    case ProcessState::kStarting:
-      return "starting";
-    case ProcessState::kReady:
-      return "ready";
-    case ProcessState::kRunning:
-      return "running";
-    case ProcessState::kFinished:
-      return "finished";
-    case ProcessState::kFailed:
-      return "failed";
-  }
-  return "unknown";
-}
+namespace vpslam {
 
 std::string StatusLine(int64_t session, const ProcessStatus& s) {
   const nlohmann::ordered_json json = {{"process", s.process},

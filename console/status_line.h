@@ -13,6 +13,5 @@ namespace vpslam {
 std::string StatusLine(int64_t session, const ProcessStatus& status);
 
 /// "starting", "ready", "running", "finished", "failed"
-std::string StateName(ProcessState state);
 
 }  // namespace vpslam

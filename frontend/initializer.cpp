@@ -38,10 +38,7 @@ constexpr double kMaxSigma_rad = 1.0 * kRadPerDeg;
 double VpDifference_rad(const Eigen::Quaterniond& second_from_first, const LineSet& first,
                         const LineSet& second) {
   const Eigen::Quaterniond predicted = second_from_first * first.cam_from_manhattan;
-  const Eigen::Matrix3d measured = second.cam_from_manhattan.toRotationMatrix();
-  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
-  return AngleBetween_rad(Eigen::Quaterniond(Eigen::Matrix3d(measured * naming.Matrix())),
-                          predicted);
+  return AngleBetween_rad(NamedNearest(second.cam_from_manhattan, predicted), predicted);
 }
 
 }  // namespace

@@ -65,9 +65,7 @@ std::optional<RotationMeasurement> MeasureRotation(const LineSet& lines,
     return std::nullopt;
   }
   const Eigen::Quaterniond predicted = cam_from_world * world_from_manhattan;
-  const Eigen::Matrix3d measured = lines.cam_from_manhattan.toRotationMatrix();
-  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
-  const Eigen::Quaterniond named(Eigen::Matrix3d(measured * naming.Matrix()));
+  const Eigen::Quaterniond named = NamedNearest(lines.cam_from_manhattan, predicted);
   if (AngleBetween_rad(named, predicted) > options.max_innovation_deg * kRadPerDeg) {
     return std::nullopt;
   }

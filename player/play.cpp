@@ -130,9 +130,15 @@ class Player {
 
   /// Sleeps while paused, and until the rate lets the frame out; false if it is not to go out.
   bool WaitForControl(int64_t stamp_us) {
+    return SleepUntil([&] { return control_.Due(stamp_us, PlayControl::Clock::now()); });
+  }
+
+  /// `due_at` says when, as things stand; nullopt: not yet known. False if stopped.
+  template <class Due>
+  bool SleepUntil(const Due& due_at) {
     using Clock = PlayControl::Clock;
     while (!Stopping()) {
-      const auto due = control_.Due(stamp_us, Clock::now());
+      const std::optional<Clock::time_point> due = due_at();
       const auto left = due ? *due - Clock::now() : Clock::duration(kLookAround);
       if (left <= left.zero()) return true;
       const int64_t changes = control_.changes();
@@ -170,15 +176,7 @@ class Player {
   bool WaitUntilDue(int64_t stamp_us) {
     const Tempo::Clock::time_point due = tempo_.Due(stamp_us, Tempo::Clock::now());
     ThrowIfAnyoneIsGone();
-    while (!Stopping()) {
-      const auto left = due - Tempo::Clock::now();
-      if (left <= left.zero()) return true;
-      // Not to the millisecond below: that would end in a busy loop.
-      bus_.WaitFor([this] { return Stopping(); },
-                   std::min(std::chrono::ceil<std::chrono::milliseconds>(left), kLookAround));
-      ThrowIfAnyoneIsGone();
-    }
-    return false;
+    return SleepUntil([due] { return due; });
   }
 
   /// Sleeps until the consumers are done with all that was sent; false if interrupted.

@@ -34,12 +34,6 @@ constexpr std::chrono::seconds kAskForCameraEvery{1};
 
 using Bytes = std::vector<uint8_t>;
 
-/// Senders count on these per stream, or from several places, so numbers that are missing there
-/// mean nothing.
-bool HasSequence(const std::string& channel) {
-  return channel != kAckChannel && channel != kCommandChannel;
-}
-
 }  // namespace
 
 class MessageLog::Impl {

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recorder/names.h"
+#include "core/messages/state_names.h"
 
 namespace vpslam {
 namespace {

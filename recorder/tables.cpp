@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "recorder/names.h"
+#include "core/messages/state_names.h"
 #include "recorder/stages.h"
 #include "recorder/trajectory.h"
 

@@ -50,8 +50,8 @@ struct LineMatch {
 
 /// The segment that fits best: the score is the sum of descriptor distance and offset, each as a
 /// share of what is allowed. Segments without descriptor, or with `taken` set, don't come into
-/// question (`taken` is empty or has one entry per line). A runner-up on the same line as the best
-/// does not count: that is the same edge, broken.
+/// question (`taken` is empty or has one entry per line). Where the runner-up lies
+/// on the same line as the best, that is the same edge, broken, and nothing is compared with it.
 std::optional<LineMatch> BestLineInWindow(const ImageSegment& predicted,
                                           const Descriptor& descriptor, const LineWindow& window,
                                           const std::vector<LineSegment>& lines,

@@ -42,4 +42,11 @@ AxisNaming NearestNaming(const Eigen::Matrix3d& cam_from_manhattan,
   return best;
 }
 
+Eigen::Quaterniond NamedNearest(const Eigen::Quaterniond& cam_from_manhattan,
+                                const Eigen::Quaterniond& predicted) {
+  const Eigen::Matrix3d measured = cam_from_manhattan.toRotationMatrix();
+  const AxisNaming naming = NearestNaming(measured, predicted.toRotationMatrix());
+  return Eigen::Quaterniond(Eigen::Matrix3d(measured * naming.Matrix()));
+}
+
 }  // namespace vpslam

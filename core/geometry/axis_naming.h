@@ -5,6 +5,7 @@
 #include <array>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace vpslam {
 
@@ -21,5 +22,9 @@ struct AxisNaming {
 /// The naming that brings `cam_from_manhattan` nearest to `predicted`.
 AxisNaming NearestNaming(const Eigen::Matrix3d& cam_from_manhattan,
                          const Eigen::Matrix3d& predicted);
+
+/// `cam_from_manhattan` under that naming.
+Eigen::Quaterniond NamedNearest(const Eigen::Quaterniond& cam_from_manhattan,
+                                const Eigen::Quaterniond& predicted);
 
 }  // namespace vpslam

@@ -22,6 +22,12 @@ inline constexpr const char* kCommandChannel = "COMMAND";
 inline constexpr const char* kStatusChannel = "STATUS";
 inline constexpr const char* kPreviewChannel = "PREVIEW";
 
+/// Senders count ACK per stream, and COMMAND comes from several places: numbers that are missing
+/// there mean nothing.
+inline bool HasSequence(const std::string& channel) {
+  return channel != kAckChannel && channel != kCommandChannel;
+}
+
 /// Who acknowledges the reliable streams, where --require names them.
 inline const std::vector<std::string> kImageConsumers = {"frontend"};
 inline const std::vector<std::string> kPoseConsumers = {"recorder"};

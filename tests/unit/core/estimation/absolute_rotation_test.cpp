@@ -8,6 +8,7 @@
 
 #include "core/geometry/so3.h"
 #include "core/geometry/sphere.h"
+#include "tests/unit/test_camera.h"
 
 namespace vpslam {
 namespace {
@@ -119,17 +120,6 @@ LineSet SegmentsAlong(const Eigen::Matrix3d& cam_from_manhattan, const Camera& c
   return lines;
 }
 
-Camera TestCamera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500;
-  camera.fy = 480;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
-
 TEST_F(AbsoluteRotation, DirectionsComeFromTheLinesOfTheirLabel) {
   const Camera camera = TestCamera();
   // Also where the image plane is parallel to two axes: their vanishing points are at infinity.
@@ -197,8 +187,7 @@ TEST_F(AbsoluteRotation, Eq5ErrorsAgreeWithTheNoise) {
     const double error_rad = AngleBetween_rad(OptimizeAbsoluteRotation(pairs, initial), truth);
     sum += 2 * error_rad * error_rad / (kSigma_rad * kSigma_rad);
   }
-  // Chi-square with three degrees of freedom; but the paper's Jacobian knows one of the two
-  // directions in which each axis errs, so that the iteration ends before the optimum: 3.9.
+  // Chi-square with three degrees of freedom has 3; this least squares of angles has 3.9.
   EXPECT_GT(sum / kTrials, 2.5);
   EXPECT_LT(sum / kTrials, 4.5);
 }

@@ -12,22 +12,12 @@
 #include "core/estimation/line_residual.h"
 #include "core/estimation/se3_manifold.h"
 #include "core/geometry/sphere.h"
+#include "tests/unit/test_camera.h"
 
 namespace vpslam {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-Camera TestCamera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500;
-  camera.fy = 480;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
 
 class LineCostTest : public testing::Test {
  protected:

@@ -5,20 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "core/estimation/se3_manifold.h"
+#include "tests/unit/test_camera.h"
 
 namespace vpslam {
 namespace {
-
-Camera TestCamera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500;
-  camera.fy = 480;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
 
 Eigen::Vector2d Residual(const PointCost& cost, const PoseParameters& pose,
                          const Eigen::Vector3d& point) {

@@ -2,18 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/test_camera.h"
+
 namespace vpslam {
 namespace {
-
-Camera TestCamera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
 
 std::optional<ImageSegment> Predict(const Eigen::Vector3d& start, const Eigen::Vector3d& end,
                                     const SE3& cam_from_world = SE3(), double min_length_px = 20) {

@@ -1,8 +1,12 @@
-#include "recorder/names.h"
+// States as words, for tables, JSON and the progress line.
+#pragma once
+
+#include "core/messages/frame_pose.h"
+#include "core/messages/process_status.h"
 
 namespace vpslam {
 
-const char* StateName(TrackingState state) {
+inline const char* StateName(TrackingState state) {
   switch (state) {
     case TrackingState::kInitialising:
       return "initialising";
@@ -14,7 +18,7 @@ const char* StateName(TrackingState state) {
   return "unknown";
 }
 
-const char* StateName(ProcessState state) {
+inline const char* StateName(ProcessState state) {
   switch (state) {
     case ProcessState::kStarting:
       return "starting";
