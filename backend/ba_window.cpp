@@ -9,10 +9,20 @@ namespace vpslam {
 
 BaWindow ChooseBaWindow(KeyframeId id, const LocalBaOptions& options, const Map& map) {
   BaWindow window;
-  window.moved.insert(id);
+  int observations = 0;
+  const auto move = [&](KeyframeId keyframe) {
+    window.moved.insert(keyframe);
+    for (const PointId point : map.Find(keyframe)->points) observations += point.IsValid();
+  };
+  const auto is_full = [&](const std::set<KeyframeId>& group, int usual) {
+    const auto size = static_cast<int>(group.size());
+    return size >= usual &&
+           (observations >= options.plenty_observations || size >= options.max_growth * usual);
+  };
+  move(id);
   for (const auto& [other, shared] : map.Covisible(id, options.min_shared_points)) {
-    if (static_cast<int>(window.moved.size()) >= options.max_keyframes) break;
-    window.moved.insert(other);
+    if (is_full(window.moved, options.max_keyframes)) break;
+    move(other);
   }
   std::map<KeyframeId, int> others;
   const auto add = [&](const auto& ids, auto* chosen) {
@@ -32,7 +42,7 @@ BaWindow ChooseBaWindow(KeyframeId id, const LocalBaOptions& options, const Map&
   for (const auto& [other, count] : others) ranked.emplace_back(-count, other);
   std::sort(ranked.begin(), ranked.end());
   for (const auto& [count, other] : ranked) {
-    if (static_cast<int>(window.fixed.size()) >= options.max_fixed_keyframes) break;
+    if (is_full(window.fixed, options.max_fixed_keyframes)) break;
     window.fixed.insert(other);
   }
   // Without others to measure from, the map's first keyframe holds the gauge (the scale is held by

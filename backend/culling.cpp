@@ -1,5 +1,8 @@
 #include "backend/culling.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace vpslam {
 
 void PointProbation::Add(PointId point, int keyframe_count) {
@@ -51,21 +54,35 @@ int OctaveOf(const Observation& o, const KeyframeStore& store) {
   return store.at(o.keyframe).features.keypoints[o.feature].octave;
 }
 
+int NumPoints(const Keyframe& keyframe, const Map& map) {
+  return static_cast<int>(std::count_if(keyframe.points.begin(), keyframe.points.end(),
+                                        [&](PointId id) { return map.Find(id); }));
+}
+
+int NeededObservers(int num_points, const Keyframe& keyframe, const CullingOptions& options) {
+  const auto num_lines = std::count_if(keyframe.lines.begin(), keyframe.lines.end(),
+                                       [](LineId id) { return id.IsValid(); });
+  const double seen = num_points + options.points_per_line * static_cast<double>(num_lines);
+  const double scarcity = options.plenty_points / std::max(1.0, seen);
+  return static_cast<int>(options.min_other_observers *
+                          std::pow(std::max(1.0, scarcity), options.scarcity_power));
+}
+
 bool IsRedundant(const Keyframe& keyframe, const KeyframeStore& store,
                  const CullingOptions& options, const Map& map) {
-  int points = 0, redundant = 0;
+  const int points = NumPoints(keyframe, map);
+  const int needed = NeededObservers(points, keyframe, options);
+  int redundant = 0;
   for (size_t i = 0; i < keyframe.points.size(); ++i) {
     const MapPoint* point = map.Find(keyframe.points[i]);
-    if (!point) continue;
-    ++points;
-    if (static_cast<int>(point->observations.size()) <= options.min_other_observers) continue;
+    if (!point || static_cast<int>(point->observations.size()) <= needed) continue;
     const int octave = store.at(keyframe.id).features.keypoints[i].octave;
     int others = 0;
     for (const Observation& o : point->observations) {
       if (o.keyframe != keyframe.id && OctaveOf(o, store) <= octave + 1) ++others;
-      if (others >= options.min_other_observers) break;
+      if (others >= needed) break;
     }
-    redundant += others >= options.min_other_observers;
+    redundant += others >= needed;
   }
   return redundant > options.max_redundant_share * points;
 }

@@ -12,7 +12,11 @@ namespace vpslam {
 struct LocalBaOptions {
   int max_keyframes = 20;        ///< whose poses are moved: the new one and those that share most
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
-  int min_shared_points = 15;    ///< with the new keyframe, to be moved
+  /// Where keyframes show few points, there are more of them in either group: until the moved ones
+  /// hold as many observations, which also bounds the work ...
+  int plenty_observations = 6000;
+  double max_growth = 4;       ///< ... but no more than so many times the numbers above
+  int min_shared_points = 15;  ///< with the new keyframe, to be moved
   int max_iterations = 10;
   int max_iterations_to_start = 30;  ///< for the two views of a new map
   double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
@@ -22,6 +26,8 @@ struct LocalBaOptions {
   void Visit(V& v) {
     v("max_keyframes", max_keyframes);
     v("max_fixed_keyframes", max_fixed_keyframes);
+    v("plenty_observations", plenty_observations);
+    v("max_growth", max_growth);
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
     v("max_iterations_to_start", max_iterations_to_start);
@@ -106,6 +112,11 @@ struct CullingOptions {
   int min_observations = 3;          ///< ... has fewer observations goes
   double max_redundant_share = 0.9;  ///< of a keyframe's points seen by min_other_observers
   int min_other_observers = 3;       ///< at a finer scale, or at most one octave coarser
+  /// A keyframe with fewer points needs more other observers of each, by the same ratio to the
+  /// power `scarcity_power`: where there is little to see, accuracy comes from seeing it often.
+  int plenty_points = 130;
+  double scarcity_power = 6;
+  double points_per_line = 4;  ///< that a line is worth
 
   template <class V>
   void Visit(V& v) {
@@ -114,6 +125,9 @@ struct CullingOptions {
     v("min_observations", min_observations);
     v("max_redundant_share", max_redundant_share);
     v("min_other_observers", min_other_observers);
+    v("plenty_points", plenty_points);
+    v("scarcity_power", scarcity_power);
+    v("points_per_line", points_per_line);
   }
 };
 

@@ -88,6 +88,12 @@ double NoiseScale(std::span<const RayMatch> matches, const Eigen::Matrix3d& esse
   return std::clamp(std::sqrt(*middle / kMedianChi2), min_scale, 1.0);
 }
 
+/// What `num_points` points have to be seen under.
+double NeededParallax_rad(int num_points, const TwoViewOptions& options) {
+  const double scarcity = options.points_for_min_parallax / std::max(1.0, 1.0 * num_points);
+  return options.min_parallax_rad * std::sqrt(std::max(1.0, scarcity));
+}
+
 /// Whether a and b differ by no more than what the matches leave open.
 bool SameMotion(const TwoViewCandidate& a, const TwoViewCandidate& b) {
   // Rival interpretations of a scene are mostly tens of degrees apart.
@@ -175,6 +181,7 @@ std::optional<std::string> TwoViewOptions::Validate() const {
   if (max_sampled_matches < min_matches) return "max_sampled_matches must reach min_matches";
   if (min_points < 1) return "min_points must be positive";
   if (!(min_parallax_rad > 0 && min_point_parallax_rad > 0)) return "parallaxes must be positive";
+  if (points_for_min_parallax < 0) return "points_for_min_parallax must not be negative";
   if (!(min_displacement >= 0)) return "min_displacement must not be negative";
   if (!(max_direction_sigma_rad > 0)) return "max_direction_sigma_rad must be positive";
   if (!(min_noise_scale > 0 && min_noise_scale <= 1)) return "min_noise_scale must lie in 0 to 1";
@@ -258,7 +265,7 @@ TwoViewResult EstimateTwoView(const Camera& camera, std::span<const TwoViewMatch
   const bool ambiguous = alive.size() > 1;
   bool parallax_lacks = false;
   std::erase_if(alive, [&](const TwoViewCandidate& c) {
-    const bool enough = c.supported_parallax_rad >= options.min_parallax_rad &&
+    const bool enough = c.supported_parallax_rad >= NeededParallax_rad(c.num_points, options) &&
                         c.direction_sigma_rad <= options.max_direction_sigma_rad;
     parallax_lacks |= !enough;
     return !enough || c.num_points < options.min_points;

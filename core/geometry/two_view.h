@@ -43,8 +43,11 @@ enum class TwoViewModel { kEssential, kHomography };
 struct TwoViewOptions {
   int min_matches = 50;
   int min_points = 30;
-  /// At least min_points points must be seen under this angle or more.
+  /// At least min_points points must be seen under this angle or more ...
   double min_parallax_rad = 0.0175;
+  /// ... where there are this many. Fewer tell rotation and translation apart less well (the error
+  /// goes with one over the root of their number), and the angle has to be larger by as much.
+  int points_for_min_parallax = 800;
   /// Points with less parallax are no points, though their matches are inliers.
   double min_point_parallax_rad = 0.005;
   /// Median displacement, in units of the focal length, below which nothing is even tried.
@@ -78,6 +81,7 @@ struct TwoViewOptions {
     v("min_matches", min_matches);
     v("min_points", min_points);
     v("min_parallax_rad", min_parallax_rad);
+    v("points_for_min_parallax", points_for_min_parallax);
     v("min_point_parallax_rad", min_point_parallax_rad);
     v("min_displacement", min_displacement);
     v("max_rotation_share", max_rotation_share);

@@ -131,8 +131,9 @@ struct Redundancy {
       for (int i = 0; i < 30; ++i) f.map.AddPoint(points[next++], Ids({k, 4}));
     }
   }
-  std::vector<KeyframeId> Cull() {
-    const int culled = CullKeyframes(KeyframeId(4), f.map.store, {}, &f.map.map);
+  /// Every keyframe has plenty of points, unless it is said otherwise.
+  std::vector<KeyframeId> Cull(const CullingOptions& options = {.plenty_points = 0}) {
+    const int culled = CullKeyframes(KeyframeId(4), f.map.store, options, &f.map.map);
     std::vector<KeyframeId> gone;
     for (int i = 0; i < 5; ++i) {
       if (!f.map.map.Find(KeyframeId(i))) gone.emplace_back(i);
@@ -162,10 +163,29 @@ TEST(CullKeyframes, CoarserObservationsDoNotReplaceFinerOnes) {
   }
 }
 
+TEST(CullKeyframes, WhoShowsLittleIsNeededMore) {
+  CullingOptions options{.plenty_points = 100, .scarcity_power = 2};
+  EXPECT_EQ(Redundancy(100, 3, 0).Cull(options), Ids({2}));
+  options.plenty_points = 120;  // 1.44 times 3 observers
+  EXPECT_EQ(Redundancy(100, 3, 0).Cull(options), Ids({}));
+  EXPECT_EQ(Redundancy(100, 4, 0).Cull(options), Ids({2}));
+}
+
+TEST(CullKeyframes, LinesCountForWhatAKeyframeShows) {
+  const CullingOptions options{.plenty_points = 120, .scarcity_power = 2, .points_per_line = 4};
+  Redundancy r(100, 3, 0);
+  EXPECT_EQ(r.Cull(options), Ids({}));
+  for (int segment = 0; segment < 5; ++segment) {
+    const LineId line = r.f.map.map.CreateLine(MapId(0), KeyframeId(2), {0, 0, 5}, {1, 0, 5});
+    r.f.map.map.Observe(KeyframeId(2), segment, line);
+  }
+  EXPECT_EQ(r.Cull(options), Ids({2}));
+}
+
 TEST(CullKeyframes, TheFirstAndTheNewStay) {
   Fixture f(5);
   for (const int p : f.SeenByAll()) f.map.AddPoint(p, Ids({0, 1, 2, 3, 4}));
-  const int culled = CullKeyframes(KeyframeId(4), f.map.store, {}, &f.map.map);
+  const int culled = CullKeyframes(KeyframeId(4), f.map.store, {.plenty_points = 0}, &f.map.map);
   // Five see each point. Two may go; of the three that remain, each is needed.
   EXPECT_EQ(culled, 2);
   EXPECT_NE(f.map.map.Find(KeyframeId(0)), nullptr);

@@ -172,6 +172,7 @@ TEST(LocalBa, MovesTheWindowAlone) {
   LocalBaOptions options = kThorough;
   options.max_keyframes = 3;
   options.max_fixed_keyframes = 4;
+  options.max_growth = 1;
   const BaSummary summary = f.Adjust(options);
   EXPECT_EQ(summary.keyframes, 3);
   EXPECT_EQ(summary.fixed_keyframes, 4);

@@ -261,6 +261,24 @@ TEST(TwoView, CandidateIsConsistentWithItself) {
   }
 }
 
+TEST(TwoView, FewPointsNeedMoreParallax) {
+  SceneMaker maker(17);
+  SceneOptions scene_options;
+  scene_options.num_matches = 100;
+  const Scene scene = maker.Make(scene_options);
+  TwoViewOptions options;
+  options.points_for_min_parallax = 0;
+  const TwoViewResult plain = Estimate(scene, 1, options);
+  ASSERT_EQ(plain.status, TwoViewStatus::kOk);
+  const TwoViewCandidate& motion = plain.candidates.front();
+  // Between what all points need, and what so few of them do.
+  options.min_parallax_rad = 0.5 * motion.supported_parallax_rad;
+  options.points_for_min_parallax = 3 * motion.num_points;
+  EXPECT_EQ(Estimate(scene, 1, options).status, TwoViewStatus::kOk);
+  options.points_for_min_parallax = 5 * motion.num_points;
+  EXPECT_EQ(Estimate(scene, 1, options).status, TwoViewStatus::kTooLittleParallax);
+}
+
 TEST(TwoView, FindsTheNoiseThatIsThere) {
   SceneMaker maker(16);
   SceneOptions options;
