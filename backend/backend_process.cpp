@@ -26,10 +26,12 @@ StreamWriterOptions Window(int window) {
 }  // namespace
 
 BackendProcess::BackendProcess(Bus& bus, Peers& peers, StatusReporter& status,
-                               const std::vector<std::string>& required, MakeMapper make_mapper)
+                               const std::vector<std::string>& required, Pace pace,
+                               MakeMapper make_mapper)
     : bus_(bus),
       peers_(peers),
       status_(status),
+      pace_(pace),
       make_mapper_(std::move(make_mapper)),
       camera_(bus),
       keyframes_(bus, kKeyframeChannel, kName, AckPolicy::kOnReceipt),
@@ -50,8 +52,7 @@ void BackendProcess::Run() {
     if (keyframes_.Ended()) break;
     const auto item = keyframes_.TryTake();
     if (!item) continue;
-    if (!SendAll(mapper_->process(item->value))) return;
-    status_.AddProcessed();
+    if (!Work(item->value)) return;
   }
   if (deltas_.SendEnd() && deltas_.WaitAllAcked(kForever)) spdlog::info("end of the sequence");
 }
@@ -69,10 +70,19 @@ bool BackendProcess::AnswerRequests() {
   // A frontend that was started again gives ids above those that it is told of: what its forerunner
   // sent comes first.
   while (const auto item = keyframes_.TryTake()) {
-    if (!SendAll(mapper_->process(item->value))) return false;
-    status_.AddProcessed();
+    if (!Work(item->value)) return false;
   }
   return SendAll(mapper_->snapshot());
+}
+
+bool BackendProcess::Work(const KeyframeProposal& keyframe) {
+  // The tracker proposes another keyframe before it has an answer only if it needs new points.
+  const auto next_waits = [this] { return keyframes_.HasMessage(); };
+  const auto is_urgent =
+      pace_ == Pace::kRealtime ? std::function<bool()>(next_waits) : std::function<bool()>();
+  if (!SendAll(mapper_->process(keyframe, is_urgent))) return false;
+  status_.AddProcessed();
+  return true;
 }
 
 bool BackendProcess::SendAll(const std::vector<MapDelta>& deltas) {

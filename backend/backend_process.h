@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/pace.h"
 #include "core/messages/keyframe_proposal.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"
@@ -22,7 +23,9 @@ namespace vpslam {
 
 /// What the loop needs of a mapper; see backend/mapper.h for what each does.
 struct MapperCalls {
-  std::function<std::vector<MapDelta>(const KeyframeProposal&)> process;
+  /// `is_urgent` is empty where the result must not depend on time.
+  std::function<std::vector<MapDelta>(const KeyframeProposal&, const std::function<bool()>&)>
+      process;
   std::function<std::vector<MapDelta>()> snapshot;
   std::function<int64_t()> version;
 };
@@ -34,19 +37,21 @@ class BackendProcess {
  public:
   /// Subscribes. `required` names the processes that acknowledge MAP.
   BackendProcess(Bus& bus, Peers& peers, StatusReporter& status,
-                 const std::vector<std::string>& required, MakeMapper make_mapper);
+                 const std::vector<std::string>& required, Pace pace, MakeMapper make_mapper);
 
   /// Until the stream of keyframes has ended and everything is acknowledged, or the bus is
   /// interrupted. Throws PeerGoneError.
   void Run();
 
  private:
+  bool Work(const KeyframeProposal& keyframe);
   bool SendAll(const std::vector<MapDelta>& deltas);
   bool AnswerRequests();
 
   Bus& bus_;
   Peers& peers_;
   StatusReporter& status_;
+  const Pace pace_;
   const MakeMapper make_mapper_;
   std::optional<MapperCalls> mapper_;
 

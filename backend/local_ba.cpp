@@ -26,6 +26,23 @@
 namespace vpslam {
 namespace {
 
+/// Leaves it at what has been reached when others wait.
+class StopWhenUrgent : public ceres::IterationCallback {
+ public:
+  StopWhenUrgent(const IsUrgent& is_urgent, int min_iterations)
+      : is_urgent_(is_urgent), min_iterations_(min_iterations) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    return iteration.iteration >= min_iterations_ && is_urgent_()
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const IsUrgent& is_urgent_;
+  int min_iterations_;
+};
+
 class Adjustment {
  public:
   Adjustment(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
@@ -53,7 +70,7 @@ class Adjustment {
       AddRotation(*map.Find(id), store.at(id).lines, manhattan);
   }
 
-  BaSummary Solve(int max_iterations, double function_tolerance) {
+  BaSummary Solve(int max_iterations, const IsUrgent& is_urgent) {
     for (const auto& [id, pose] : poses_) {
       if (!problem_.HasParameterBlock(pose)) continue;
       problem_.SetManifold(pose, &manifold_);
@@ -67,7 +84,9 @@ class Adjustment {
     options.linear_solver_ordering = ordering_;
     options.num_threads = 1;
     options.max_num_iterations = max_iterations;
-    options.function_tolerance = function_tolerance;
+    options.function_tolerance = options_.function_tolerance;
+    StopWhenUrgent stop(is_urgent, options_.min_iterations_when_urgent);
+    if (is_urgent) options.callbacks.push_back(&stop);
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     if (problem_.NumResidualBlocks() > 0) ceres::Solve(options, &problem_, &summary);
@@ -221,10 +240,11 @@ int RemoveOutliers(const BaWindow& window, const std::set<Id>& ids, const DoesFi
 
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const ManhattanFrame& manhattan,
-                        const LocalBaOptions& options, int max_iterations, Map* map) {
+                        const LocalBaOptions& options, int max_iterations, Map* map,
+                        const IsUrgent& is_urgent) {
   const BaWindow window = ChooseBaWindow(keyframe, options, *map);
   Adjustment adjustment(window, camera, scales, store, manhattan, options, *map);
-  BaSummary summary = adjustment.Solve(max_iterations, options.function_tolerance);
+  BaSummary summary = adjustment.Solve(max_iterations, is_urgent);
   adjustment.WriteBack(map);
   const auto point_fits = [&](const MapPoint& point, const Observation& o) {
     const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];

@@ -3,6 +3,7 @@
 // points hold the gauge. [Mur15] sec. VI-D.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "backend/keyframe_store.h"
@@ -25,10 +26,16 @@ struct BaSummary {
   double final_cost = 0;
 };
 
+/// Whether others wait for the result, so that a better one is worth less than an early one. Asked
+/// from time to time.
+using IsUrgent = std::function<bool()>;
+
 /// Adjusts around `keyframe`; removes observations that fail the chi-square gate afterwards, and
-/// updates the views of the points moved. Keyframes are held to the axes of `manhattan`.
+/// updates the views of the points moved. Keyframes are held to the axes of `manhattan`. Ends after
+/// few iterations when `is_urgent`.
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const ManhattanFrame& manhattan,
-                        const LocalBaOptions& options, int max_iterations, Map* map);
+                        const LocalBaOptions& options, int max_iterations, Map* map,
+                        const IsUrgent& is_urgent = {});
 
 }  // namespace vpslam

@@ -35,12 +35,13 @@ int main(int argc, char** argv) {
     std::unique_ptr<Mapper> mapper;
     const auto make_mapper = [&](const Camera& camera) {
       mapper = std::make_unique<Mapper>(camera, settings);
-      return MapperCalls{
-          [&](const KeyframeProposal& keyframe) { return mapper->Process(keyframe); },
-          [&] { return mapper->Snapshot(); }, [&] { return mapper->version(); }};
+      return MapperCalls{[&](const KeyframeProposal& keyframe, const IsUrgent& is_urgent) {
+                           return mapper->Process(keyframe, is_urgent);
+                         },
+                         [&] { return mapper->Snapshot(); }, [&] { return mapper->version(); }};
     };
     BackendProcess backend(process.bus, process.peers, process.status, options.required,
-                           make_mapper);
+                           options.pace, make_mapper);
     backend.Run();
     return kExitOk;
   });

@@ -30,7 +30,7 @@ class Mapper::Impl {
         probation_(options.culling),
         line_probation_(options.lines) {}
 
-  std::vector<MapDelta> Process(const KeyframeProposal& proposal) {
+  std::vector<MapDelta> Process(const KeyframeProposal& proposal, const IsUrgent& is_urgent) {
     Stopwatch total;
     MappingTimes times;
     if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
@@ -43,7 +43,7 @@ class Mapper::Impl {
         first_.reset();
         break;
       case KeyframeRole::kRegular:
-        WorkIn(InPresentMap(proposal), &times);
+        WorkIn(InPresentMap(proposal), is_urgent, &times);
         break;
     }
     times.total_ms = total.Lap_ms();
@@ -102,7 +102,7 @@ class Mapper::Impl {
     return present;
   }
 
-  void WorkIn(const KeyframeProposal& proposal, MappingTimes* times) {
+  void WorkIn(const KeyframeProposal& proposal, const IsUrgent& is_urgent, MappingTimes* times) {
     Stopwatch stopwatch;
     ManhattanFrame& manhattan = Manhattan(proposal.map);
     Store(proposal);
@@ -127,7 +127,7 @@ class Mapper::Impl {
     times->feature_creation_ms = stopwatch.Lap_ms();
 
     AdjustLocally(proposal.id, camera_, scales_, store_, manhattan, options_.ba,
-                  options_.ba.max_iterations, &map_);
+                  options_.ba.max_iterations, &map_, is_urgent);
     manhattan.Update(map_);
     map_.SetManhattan(proposal.map, manhattan.world_from_manhattan());
     times->local_ba_ms = stopwatch.Lap_ms();
@@ -230,8 +230,8 @@ std::optional<std::string> MapperOptions::Validate() const {
 Mapper::Mapper(const Camera& camera, const MapperOptions& options)
     : impl_(std::make_unique<Impl>(camera, options)) {}
 Mapper::~Mapper() = default;
-std::vector<MapDelta> Mapper::Process(const KeyframeProposal& proposal) {
-  return impl_->Process(proposal);
+std::vector<MapDelta> Mapper::Process(const KeyframeProposal& proposal, const IsUrgent& is_urgent) {
+  return impl_->Process(proposal, is_urgent);
 }
 std::vector<MapDelta> Mapper::Snapshot() const { return impl_->map().Snapshot(); }
 int64_t Mapper::version() const { return impl_->map().version(); }

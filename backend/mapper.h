@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "backend/local_ba.h"
 #include "backend/mapper_options.h"
 #include "core/geometry/camera.h"
 #include "core/messages/keyframe_proposal.h"
@@ -21,7 +22,8 @@ class Mapper {
   ~Mapper();
 
   /// Works the keyframe into the map. The last part has `answers` set to the keyframe's id.
-  std::vector<MapDelta> Process(const KeyframeProposal& proposal);
+  /// `is_urgent`, asked from time to time, cuts the adjustment short; see backend/local_ba.h.
+  std::vector<MapDelta> Process(const KeyframeProposal& proposal, const IsUrgent& is_urgent = {});
 
   /// The whole map, in parts, for a replica that has nothing or missed something.
   std::vector<MapDelta> Snapshot() const;

@@ -18,9 +18,10 @@ struct LocalBaOptions {
   double max_growth = 4;       ///< ... but no more than so many times the numbers above
   int min_shared_points = 15;  ///< with the new keyframe, to be moved
   int max_iterations = 10;
-  int max_iterations_to_start = 30;  ///< for the two views of a new map
-  double function_tolerance = 1e-4;  ///< relative decrease of the cost that ends the iteration
-  double direction_sigma_deg = 1.0;  ///< of a line about the Manhattan axis that it belongs to
+  int max_iterations_to_start = 30;    ///< for the two views of a new map
+  int min_iterations_when_urgent = 2;  ///< when the next keyframe waits already
+  double function_tolerance = 1e-4;    ///< relative decrease of the cost that ends the iteration
+  double direction_sigma_deg = 1.0;    ///< of a line about the Manhattan axis that it belongs to
 
   template <class V>
   void Visit(V& v) {
@@ -31,6 +32,7 @@ struct LocalBaOptions {
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
     v("max_iterations_to_start", max_iterations_to_start);
+    v("min_iterations_when_urgent", min_iterations_when_urgent);
     v("function_tolerance", function_tolerance);
     v("direction_sigma_deg", direction_sigma_deg);
   }

@@ -32,7 +32,8 @@ bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
   const int tracked = TrackedLandmarks(map, reference, min_observations);
   if (support >= options.max_tracked_ratio * tracked) return false;
-  const bool weak = support < options.weak_tracked_ratio * tracked;
+  const bool weak =
+      support < std::max(options.weak_tracked_ratio * tracked, 1.0 * options.weak_support);
   return earlier.unanswered <
          (weak ? options.max_unanswered_when_weak : std::max(1, options.max_unanswered));
 }

@@ -278,7 +278,7 @@ class Tracker::Impl {
     if (relocalized) Return(frame);
     state_ = TrackingState::kTracking;
     const auto seam =
-        on_probation_ || relocalized
+        on_probation_ || relocalized || unanswered_ >= options_.keyframes.max_unanswered_when_weak
             ? std::nullopt
             : seams_.Look(context_, frame, map_id_, discarded_map_, rng_, &relocalizer_);
     if (seam || IsKeyframe(frame, local.reference, {frames_since_keyframe_, unanswered_}, map_,

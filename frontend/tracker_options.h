@@ -161,7 +161,8 @@ struct KeyframePolicyOptions {
   /// are left out. With tracking weak, up to max_unanswered_when_weak may be.
   int max_unanswered = 1;
   int max_unanswered_when_weak = 2;
-  double weak_tracked_ratio = 0.5;  ///< of the reference keyframe's points
+  double weak_tracked_ratio = 0.5;  ///< of the reference keyframe's points ...
+  int weak_support = 120;           ///< ... or points and lines in all
 
   template <class V>
   void Visit(V& v) {
@@ -171,6 +172,7 @@ struct KeyframePolicyOptions {
     v("max_unanswered", max_unanswered);
     v("max_unanswered_when_weak", max_unanswered_when_weak);
     v("weak_tracked_ratio", weak_tracked_ratio);
+    v("weak_support", weak_support);
   }
 };
 

@@ -279,6 +279,22 @@ TEST(LocalBa, NothingToAdjust) {
   EXPECT_EQ(map.map.Find(k)->cam_from_world.translation, Eigen::Vector3d::Zero());
 }
 
+TEST(LocalBa, EndsEarlyWhenOthersWait) {
+  const auto iterations = [](const IsUrgent& is_urgent) {
+    Fixture f(6, 10);
+    f.DisturbPoses(1, 0.02, 0.005);
+    f.DisturbPoints(0.02);
+    const BaSummary summary =
+        AdjustLocally(f.last(), f.scene.camera, f.scene.scales, f.map.store, kNoAxes, kThorough,
+                      kThorough.max_iterations, &f.map.map, is_urgent);
+    EXPECT_LT(summary.final_cost, 0.5 * summary.initial_cost);
+    return summary.iterations;  // and the first evaluation
+  };
+  EXPECT_EQ(iterations([] { return true; }), 1 + kThorough.min_iterations_when_urgent);
+  EXPECT_GT(iterations([] { return false; }), 1 + kThorough.min_iterations_when_urgent);
+  EXPECT_EQ(iterations([] { return false; }), iterations({}));
+}
+
 TEST(LocalBa, SameInputSameBytesWhereverTheHeapHasRoom) {
   std::vector<std::unique_ptr<char[]>> holes;
   const auto run = [&holes](size_t bytes) {

@@ -172,8 +172,10 @@ TEST(IsKeyframe, KeyframesAreThinnedOutWhileTheBackendIsBusy) {
     const MapPoint* point = s.map.map.Find(id);
     sure += point && point->observations.size() >= 3;
   }
-  const KeyframePolicyOptions options{
-      .max_unanswered = 2, .max_unanswered_when_weak = 3, .weak_tracked_ratio = 0.5};
+  const KeyframePolicyOptions options{.max_unanswered = 2,
+                                      .max_unanswered_when_weak = 3,
+                                      .weak_tracked_ratio = 0.5,
+                                      .weak_support = 0};
   Frame frame;
   const auto is_keyframe = [&](double share, int unanswered) {
     frame.inliers = static_cast<int>(share * sure);
@@ -185,6 +187,22 @@ TEST(IsKeyframe, KeyframesAreThinnedOutWhileTheBackendIsBusy) {
   EXPECT_TRUE(is_keyframe(0.4, 2)) << "tracking is about to be lost";
   EXPECT_FALSE(is_keyframe(0.4, 3)) << "the backlog is bounded in any case";
   EXPECT_FALSE(is_keyframe(0.95, 0));
+}
+
+TEST(IsKeyframe, FewLandmarksAreWeakWhateverTheReferenceHas) {
+  TrackingScene s(8, {}, 4);
+  const KeyframeId reference(1);
+  KeyframePolicyOptions options{.max_tracked_ratio = 10,
+                                .max_unanswered = 1,
+                                .max_unanswered_when_weak = 2,
+                                .weak_tracked_ratio = 0,
+                                .weak_support = 60};
+  Frame frame;
+  frame.inliers = 60;
+  EXPECT_FALSE(IsKeyframe(frame, reference, {1, 1}, s.map.map, options));
+  frame.inliers = 59;
+  EXPECT_TRUE(IsKeyframe(frame, reference, {1, 1}, s.map.map, options));
+  EXPECT_FALSE(IsKeyframe(frame, reference, {1, 2}, s.map.map, options));
 }
 
 TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {

@@ -21,12 +21,17 @@ class FakeMapper {
   static constexpr int kParts = 3;
 
   MapperCalls Calls() {
-    return {[this](const KeyframeProposal& keyframe) { return Process(keyframe); },
+    return {[this](const KeyframeProposal& keyframe, const std::function<bool()>& is_urgent) {
+              return Process(keyframe, is_urgent);
+            },
             [this] { return Snapshot(); }, [this] { return version_; }};
   }
 
-  std::vector<MapDelta> Process(const KeyframeProposal& keyframe) {
+  std::vector<MapDelta> Process(const KeyframeProposal& keyframe,
+                                const std::function<bool()>& is_urgent = {}) {
     if (work_ > work_.zero()) std::this_thread::sleep_for(work_);
+    asked_ = asked_ || is_urgent;
+    urgent_ += is_urgent && is_urgent();
     keyframes_.push_back(keyframe.id);
     std::vector<MapDelta> parts(kParts);
     for (MapDelta& part : parts) {
@@ -50,6 +55,8 @@ class FakeMapper {
   }
 
   std::chrono::milliseconds work_{0};
+  bool asked_ = false;  ///< told a way to know whether others wait
+  int urgent_ = 0;      ///< keyframes at the end of whose work others waited
   std::vector<KeyframeId> keyframes_;
   int64_t version_ = 0;
   std::atomic<int> snapshots_{0};

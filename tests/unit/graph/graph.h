@@ -54,7 +54,7 @@ class Graph {
     threads_.emplace_back([this] {
       StatusReporter status(bus_, "backend");
       status.AddProcessed(static_cast<int64_t>(mapper_.keyframes_.size()));
-      BackendProcess backend(bus_, peers_, status, {"frontend", "recorder"},
+      BackendProcess backend(bus_, peers_, status, {"frontend", "recorder"}, pace_,
                              [this](const Camera&) { return mapper_.Calls(); });
       Guard([&] { backend.Run(); });
       backend_done_ = true;

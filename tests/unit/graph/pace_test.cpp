@@ -55,6 +55,7 @@ TEST(Lossless, EveryImageIsTrackedWhileTheBackendWorks) {
   EXPECT_LE(*std::max_element(graph.tracker_.unanswered_.begin(), graph.tracker_.unanswered_.end()),
             1);
   EXPECT_EQ(graph.mapper_.keyframes_.size(), static_cast<std::size_t>(kKeyframes));
+  EXPECT_FALSE(graph.mapper_.asked_) << "the map does not depend on time";
   EXPECT_EQ(graph.tracker_.version_, graph.mapper_.version_) << "answers are awaited in the end";
   EXPECT_EQ(graph.RecordedPoses().size(), static_cast<std::size_t>(kFrames + 1));
 }
@@ -88,6 +89,7 @@ TEST(Realtime, ImagesDoNotWaitForABusyBackend) {
   EXPECT_GT(std::count_if(unanswered.begin(), unanswered.end(), [](int n) { return n > 0; }), 1)
       << "images were tracked while a keyframe was under work";
   EXPECT_EQ(graph.tracker_.version_, graph.mapper_.version_) << "answers are awaited in the end";
+  EXPECT_GT(graph.mapper_.urgent_, 0) << "the backend knows that more keyframes wait";
   // The start of the map alone holds images up: two keyframes of 0.15 s each.
   EXPECT_GE(TrackedImages(log).size(), static_cast<std::size_t>(kFrames / 2));
 }
