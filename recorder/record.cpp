@@ -62,6 +62,7 @@ class Recorder::Impl {
                 log_ ? log_->MapTap() : nullptr),
         statuses_(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
+        previews_(bus, kPreviewChannel, 1),
         requests_(bus, kMapRequestChannel) {}
 
   bool Run(const std::atomic<bool>& stop) {
@@ -104,6 +105,7 @@ class Recorder::Impl {
       status_.AddProcessed();
     }
     while (const auto item = deltas_.TryTake()) Apply(item->value);
+    while (const auto preview = previews_.TryTake()) run_.Add(preview->value);
     TakeStatuses();
     while (const auto command = commands_.TryTake()) Obey(command->value);
   }
@@ -172,6 +174,7 @@ class Recorder::Impl {
   StreamReader<MapDelta> deltas_;
   Inbox<ProcessStatus> statuses_;
   Inbox<Command> commands_;
+  Inbox<Preview> previews_;
   Publisher<MapRequest> requests_;
   RunRecord run_;
   std::optional<Clock::time_point> asked_;  ///< when a snapshot was asked for that has not come

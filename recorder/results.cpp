@@ -22,6 +22,9 @@ std::map<std::string, std::string> MakeResults(const RunRecord& run, const RunIn
   files["map.ply"] = MapPly(run.map(), main_map);
   files["frames.csv"] = FramesTable(run);
   files["keyframes.csv"] = KeyframesTable(run);
+  if (const auto& jpeg = run.preview().jpeg; !jpeg.empty()) {
+    files["preview.jpg"] = std::string(jpeg.begin(), jpeg.end());
+  }
   files["summary.json"] = Summary(run, info).dump(2) + "\n";
   return files;
 }

@@ -13,6 +13,7 @@
 #include "core/map/map.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/map_delta.h"
+#include "core/messages/preview.h"
 #include "core/messages/process_status.h"
 
 namespace vpslam {
@@ -39,6 +40,7 @@ class RunRecord {
  public:
   void Add(const FramePose& pose);
   void Add(const ProcessStatus& status);
+  void Add(const Preview& preview) { preview_ = preview; }
   /// False if the delta does not fit the version at hand: a snapshot has to be asked for.
   bool Apply(const MapDelta& delta);
 
@@ -49,6 +51,9 @@ class RunRecord {
   const std::map<std::pair<std::string, int32_t>, ProcessStatus>& processes() const {
     return processes_;
   }
+
+  /// The newest; empty where none was asked for.
+  const Preview& preview() const { return preview_; }
 
   /// Images that went out, as far as is known: what the player says, or the frontend's poses show.
   int64_t frames_in() const;
@@ -65,6 +70,7 @@ class RunRecord {
   std::map<KeyframeId, KeyframeRecord> keyframes_;
   std::map<KeyframeId, Origin> origins_;  ///< also of keyframes whose map was erased since
   Map map_;
+  Preview preview_;
   std::map<std::pair<std::string, int32_t>, ProcessStatus> processes_;
 };
 

@@ -14,8 +14,8 @@ def add_parser(commands):
                         help="; ".join(f"{name}: {suite.HELP}" for name, suite in
                                        suites.ALL.items()))
     parser.add_argument("--data", metavar="FOLDER",
-                        help="what to measure on; default: ../shared/data for shared and "
-                        "ablation, datasets/SUITE for tum, euroc, icl and kitti")
+                        help="what to measure on; default: ../shared/data for shared, "
+                        "ablation and york, datasets/SUITE for tum, euroc, icl and kitti")
     parser.add_argument("--out", metavar="DIR",
                         help="folder for the results, made if missing; runs that are complete there "
                         "are not repeated (default: results/bench-SUITE)")

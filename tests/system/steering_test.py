@@ -66,6 +66,7 @@ class Steering(system.SystemTest):
         previews = log["channels"]["PREVIEW"]
         self.assertGreaterEqual(previews["messages"], 2)
         self.assertLess(previews["bytes"] / previews["messages"], 60200)
+        self.assertEqual((self.folder / "preview" / "preview.jpg").read_bytes()[:2], b"\xff\xd8")
 
 
 if __name__ == "__main__":

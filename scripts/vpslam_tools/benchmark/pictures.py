@@ -4,16 +4,18 @@ import csv
 
 import numpy as np
 
-from vpslam_tools import evaluation, map_figure, plots, time_figure, trajectory
+from vpslam_tools import evaluation, frame_figure, map_figure, plots, time_figure, trajectory
 from vpslam_tools.alignment import align
 from vpslam_tools.benchmark import timing
 
 
 def draw(results, title, folder):
-    """Into `folder`: trajectory, map and times, as far as the run got. Returns the paths."""
+    """Into `folder`: trajectory, map, frame and times, as far as the run got. Returns the paths."""
     written = time_figure.time_figure(
         {"VP-SLAM": timing.read_times(results)["tracking"]["total"]}, folder / "times", title,
         interval_ms(results))
+    if (results / "preview.jpg").exists():
+        written += frame_figure.frame_figure(results / "preview.jpg", folder / "frame", title)
     if not (results / "trajectory.txt").read_text().strip():
         return written  # nothing was tracked
     estimate = trajectory.read_trajectory(results / "trajectory.txt")

@@ -10,7 +10,7 @@ import sys
 
 from vpslam_tools import paths
 from vpslam_tools.benchmark import scores, tables, timing
-from vpslam_tools.benchmark.runs import write_json
+from vpslam_tools.benchmark.runs import has_pictures, write_json
 from vpslam_tools.errors import UserError
 
 EXPLANATION = """\
@@ -39,7 +39,7 @@ def write(suite, found, missing, runs, args, out):
                              if run["status"] == "done"])]
     commits, command = commits_of(runs), command_line()
     text = _text(suite, command, commits, entries, paces, missing, per_pace, per_sequence,
-                 summaries, args)
+                 summaries, runs, args)
     (out / "results.md").write_text(text)
     write_json(out / "results.json", {
         "suite": suite, "command": command, "commits": commits, "machine": machine(),
@@ -100,8 +100,10 @@ def machine():
 
 
 def _text(suite, command, commits, entries, paces, missing, per_pace, per_sequence, summaries,
-          args):
-    parts = [f"# Suite {suite}\n", origin(command, commits, args.seeds)]
+          runs, args):
+    minutes = sum(run["wall_s"] for run in runs) / 60
+    parts = [f"# Suite {suite}\n", origin(command, commits, args.seeds),
+             f"The runs took {minutes:.1f} minutes.\n"]
     if missing:
         parts.append("Missing: " + ", ".join(each.name for each in missing) + ".\n")
     parts += ["## Accuracy (the paper's table I)\n", tables.accuracy(entries, paces), EXPLANATION]
@@ -123,7 +125,7 @@ def _draw(runs, entries, out):
     from vpslam_tools.benchmark import pictures
     names = [found.sequence.name for found, _ in entries]
     for run in runs:
-        if run["status"] == "done" and run["seed"] == 1 and run["sequence"] in names:
+        if run["status"] == "done" and has_pictures(run["seed"]) and run["sequence"] in names:
             try:
                 pictures.draw(pathlib.Path(run["results"]), f"{run['sequence']}, {run['pace']}",
                               out / "pictures" / pathlib.Path(run["results"]).parent.name

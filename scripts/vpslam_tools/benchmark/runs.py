@@ -60,12 +60,17 @@ def programs_digest():
     return digest.hexdigest()[:16]
 
 
+def has_pictures(seed):
+    return seed == 1
+
+
 def command_of(found, pace, seed, results, options):
     camera = options.camera or found.camera
     return ([sys.executable, "-I", str(paths.TOOLS), "run", found.source, "--out", str(results),
              "--pace", pace, "--seed", str(seed)]
             + (["--camera", camera] if camera else [])
-            + (["--frames", str(options.frames)] if options.frames else []) + options.run_options)
+            + (["--frames", str(options.frames)] if options.frames else [])
+            + ["--preview"] * has_pictures(seed) + options.run_options)
 
 
 def run_all(found, options, out, tell):

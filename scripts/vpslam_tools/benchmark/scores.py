@@ -17,7 +17,8 @@ def score(results):
     # Frames that were dropped are in no table, but were there to be tracked.
     frames = max(frames, json.loads((results / "summary.json").read_text())["frames"]["in"])
     figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
-               "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None, "rpe_deg": None, "scale": None, "why": None}
+               "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None,
+               "rpe_deg": None, "scale": None, "why": None}
     try:
         estimate = trajectory.read_trajectory(results / "trajectory.txt")
     except UserError:
@@ -35,7 +36,8 @@ def score(results):
         return figures
     figures.update(ate_m=result.ate_m.rmse, rotation_deg=result.rotation_deg.rmse,
                    rotation_median_deg=result.rotation_deg.median,
-                   rotation_drift_deg_per_m=result.rotation_drift_deg_per_m, scale=result.scale, compared=result.compared)
+                   rotation_drift_deg_per_m=result.rotation_drift_deg_per_m, scale=result.scale,
+                   compared=result.compared)
     if result.rpe_translation_m:
         figures.update(rpe_m=result.rpe_translation_m.rmse, rpe_deg=result.rpe_rotation_deg.rmse)
     return figures

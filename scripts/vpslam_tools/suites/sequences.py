@@ -9,6 +9,7 @@ from vpslam_tools.benchmark import catalogue
 from vpslam_tools.errors import UserError
 
 FORWARDED = ["config", "detectors"]
+DEFAULT_PACES = "lockstep,realtime"
 
 
 class SequenceSuite:
@@ -19,6 +20,7 @@ class SequenceSuite:
         self.default_data = default_data  # a function; None: no data is needed
 
     def run(self, args):
+        args.pace = args.pace or DEFAULT_PACES
         install_build.prepare()
         # What needs numpy, which may have just been installed.
         from vpslam_tools.benchmark import discovery, report, runs
@@ -65,9 +67,9 @@ def options(args, preset_words=None):
 def add_arguments(group):
     group.add_argument("--seeds", type=run_command.at_least(1), default=1, metavar="N",
                        help="run each sequence with the seeds 1 to N (default: 1)")
-    group.add_argument("--pace", default="lockstep", metavar="PACE[,PACE]",
-                       help="as `vpslam run` has it; several, such as lockstep,realtime, stand side "
-                       "by side (default: lockstep)")
+    group.add_argument("--pace", metavar="PACE[,PACE]",
+                       help="as `vpslam run` has it; several stand side by side "
+                       f"(default: {DEFAULT_PACES})")
     group.add_argument("--sequence", action="append", default=[], metavar="NAME",
                        help="only this one; may be repeated")
     group.add_argument("--frames", type=run_command.at_least(1), metavar="N",

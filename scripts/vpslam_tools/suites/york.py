@@ -5,6 +5,7 @@ import subprocess
 
 from vpslam_tools import install_build, paths
 from vpslam_tools.errors import UserError
+from vpslam_tools.suites.sequences import shared_data
 
 NAME = "york"
 HELP = ("vanishing points of every method with every line detector, against annotated truth; "
@@ -17,12 +18,11 @@ def add_arguments(group):
 
 
 def run(args):
-    if not args.data:
-        raise UserError("--suite york needs --data FOLDER")
-    if not pathlib.Path(args.data).is_dir():
-        raise UserError(f"{args.data}: no such folder; name one with --data")
+    data = pathlib.Path(args.data or shared_data() / "york_urban_train")
+    if not data.is_dir():
+        raise UserError(f"{data}: no such folder; name one with --data")
     install_build.prepare()
-    command = [str(paths.binaries() / "york_bench"), "--data", args.data, "--out", str(args.out)]
+    command = [str(paths.binaries() / "york_bench"), "--data", str(data), "--out", str(args.out)]
     try:
         return subprocess.run(command + ["--annotated"] * args.annotated).returncode
     except OSError as error:

@@ -61,6 +61,14 @@ RunInfo MakeInfo() {
   return info;
 }
 
+TEST(Results, TheNewestPreviewWhereThereIsOne) {
+  RunRecord run = MakeRun();
+  EXPECT_FALSE(MakeResults(run, MakeInfo()).contains("preview.jpg"));
+  run.Add(Preview{.frame_seq = 1, .jpeg = {0xff, 0xd8, 0}});
+  run.Add(Preview{.frame_seq = 2, .jpeg = {0xff, 0xd8, 1}});
+  EXPECT_EQ(MakeResults(run, MakeInfo()).at("preview.jpg"), std::string("\xff\xd8\x01", 3));
+}
+
 TEST(Results, Trajectories) {
   const auto files = MakeResults(MakeRun(), MakeInfo());
   EXPECT_EQ(files.at("trajectory.txt"),

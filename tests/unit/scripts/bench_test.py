@@ -28,7 +28,8 @@ class Bench(unittest.TestCase):
         done = subprocess.run(
             ["/usr/bin/python3", "-I", str(TOOLS), "bench", *arguments], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            env=dict(os.environ, VPSLAM_BIN_DIR=str(self.folder / "bin"), **environment))
+            env=dict(os.environ, VPSLAM_BIN_DIR=str(self.folder / "bin"),
+                     VPSLAM_SHARED_DATA=str(self.folder / "shared"), **environment))
         return done.returncode, done.stdout
 
     def test_york(self):
@@ -45,7 +46,7 @@ class Bench(unittest.TestCase):
 
     def test_bad_arguments(self):
         for arguments, expected, code in (
-                (["--suite", "york", "--out", "o"], "needs --data", 1),
+                (["--suite", "york", "--out", "o"], "shared/york_urban_train: no such folder", 1),
                 (["--suite", "york", "--data", "none", "--out", "o"], "none: no such folder", 1),
                 (["--suite", "york", "--data", "data", "--out", "/proc/o"], "cannot be made", 1),
                 (["--suite", "yorck", "--out", "o"], "invalid choice", 2),
