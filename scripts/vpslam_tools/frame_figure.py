@@ -27,6 +27,6 @@ def frame_figure(preview, path, title=""):
                  for colour, label in CLUSTERS]
         points = plt.Line2D([], [], color=POINT, marker="s", fillstyle="none", linestyle="none",
                             markersize=5, label="tracked points")
-        axes.legend(handles=lines + [points], loc="upper center", bbox_to_anchor=(0.5, 0), ncols=5)
+        axes.legend(handles=lines + [points], loc="upper center", bbox_to_anchor=(0.5, 0), ncols=3)
         figure.suptitle(title, fontsize=9)
         return write(figure, path)
