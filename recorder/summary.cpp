@@ -65,21 +65,22 @@ Json Latency(const RunRecord& run) {
   return {{"median", Rounded(Quantile(total_ms, 0.5))}, {"p95", Rounded(Quantile(total_ms, 0.95))}};
 }
 
-/// What each process says of messages that did not come to be worked on.
-Json Losses(const RunRecord& run) {
-  Json losses = Json::object();
+/// What each process says of the messages that it worked on, and of those that did not come to be.
+Json Messages(const RunRecord& run) {
+  Json messages = Json::object();
   for (const auto& [key, status] : run.processes()) {
-    Json& own = losses[status.process];
+    Json& own = messages[status.process];
     if (own.is_null()) own = Json::object();
     const auto add = [&own](const char* name, int64_t count) {
       own[name] = own.value(name, int64_t{0}) + count;
     };
+    add("processed", status.processed);
     add("dropped", status.dropped);
     add("gaps", status.gaps);
     add("rejected", status.rejected);
     add("resent", status.resent);
   }
-  return losses;
+  return messages;
 }
 
 }  // namespace
@@ -117,7 +118,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
   Json summary = {{"frames", Frames(run)},
                   {"latency_ms", Latency(run)},
                   {"cpu_ms_per_frame", cpu},
-                  {"messages", Losses(run)},
+                  {"messages", Messages(run)},
                   {"stages_ms", StageMedians(run)},
                   {"maps", maps.size()},
                   {"keyframes", keyframes},

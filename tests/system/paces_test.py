@@ -37,8 +37,11 @@ class Paces(system.SystemTest):
         with open(out / "keyframes.csv", newline="") as table:
             numbers = [int(row["keyframe"]) for row in csv.DictReader(table)]
         self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
-        for process, losses in summary["messages"].items():
-            self.assertEqual((process, losses["dropped"]), (process, 0))
+        for process, messages in summary["messages"].items():
+            self.assertEqual((process, messages["dropped"]), (process, 0))
+        for process in ("frontend", "vpdetector1"):
+            self.assertEqual((process, summary["messages"][process]["processed"]),
+                             (process, FRAMES))
 
     def assert_good(self, out, summary):
         self.assertGreaterEqual(summary["frames"]["tracked"], 0.9 * FRAMES)

@@ -117,8 +117,8 @@ TEST(Results, Summary) {
     "latency_ms": {"median": 30.0, "p95": 48.5},
     "cpu_ms_per_frame": {"frontend": 50.0, "player": 20.0, "total": 70.0},
     "messages": {
-      "frontend": {"dropped": 2, "gaps": 1, "rejected": 0, "resent": 5},
-      "player": {"dropped": 0, "gaps": 0, "rejected": 0, "resent": 0}},
+      "frontend": {"processed": 6, "dropped": 2, "gaps": 1, "rejected": 0, "resent": 5},
+      "player": {"processed": 6, "dropped": 0, "gaps": 0, "rejected": 0, "resent": 0}},
     "stages_ms": {"decode": 2.0, "transport": null, "features": 6.0, "lines": null, "vps": null,
       "wait_for_lines": null, "initial_pose": null, "rotation": null, "translation": null,
       "local_map": null, "total": 30.0, "insertion": 1.5, "feature_culling": null,
