@@ -39,9 +39,13 @@ class Paces(system.SystemTest):
         self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
         for process, messages in summary["messages"].items():
             self.assertEqual((process, messages["dropped"]), (process, 0))
-        for process in ("frontend", "vpdetector1"):
-            self.assertEqual((process, summary["messages"][process]["processed"]),
-                             (process, FRAMES))
+        self.assertEqual(summary["messages"]["frontend"]["processed"], FRAMES)
+        # An image whose answer was lost is sent, and answered, again.
+        answered = summary["messages"]["vpdetector"]["processed"]
+        if sum(messages["resent"] for messages in summary["messages"].values()):
+            self.assertGreaterEqual(answered, FRAMES)
+        else:
+            self.assertEqual(answered, FRAMES)
 
     def assert_good(self, out, summary):
         self.assertGreaterEqual(summary["frames"]["tracked"], 0.9 * FRAMES)
