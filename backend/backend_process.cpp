@@ -46,12 +46,13 @@ void BackendProcess::Run() {
   status_.SetState(ProcessState::kRunning);
   while (true) {
     const auto news = [this] { return keyframes_.HasNews() || requests_.HasMessage(); };
-    if (!peers_.WaitFor(news, {"frontend"})) return;
     status_.SetQueued(static_cast<int64_t>(keyframes_.size()));
+    if (!peers_.WaitFor(news, {"frontend"})) return;
     if (!AnswerRequests()) return;
     if (keyframes_.Ended()) break;
     const auto item = keyframes_.TryTake();
     if (!item) continue;
+    status_.SetQueued(static_cast<int64_t>(keyframes_.size()));
     if (!Work(item->value)) return;
   }
   if (deltas_.SendEnd() && deltas_.WaitAllAcked(kForever)) spdlog::info("end of the sequence");

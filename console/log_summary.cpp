@@ -49,14 +49,15 @@ Json SummarizeLog(const std::string& path) {
     Channel& channel = channels[event->channel];
     ++channel.messages;
     channel.bytes += static_cast<int64_t>(event->bytes.size());
+    if (run.is_null() && event->channel == kRunChannel) run = DescribeRun(*event);
+    if (camera.is_null() && event->channel == kCameraChannel) camera = DescribeCamera(*event);
+    if (!HasSequence(event->channel)) continue;
     if (const auto header = PeekHeader(event->bytes)) {
       const SequenceWatch::Verdict verdict = channel.watch.See(*header);
       channel.missing += verdict.missed;
       if (!verdict.is_new) ++channel.repeated;
       if (header->last) ++channel.ended;
     }
-    if (run.is_null() && event->channel == kRunChannel) run = DescribeRun(*event);
-    if (camera.is_null() && event->channel == kCameraChannel) camera = DescribeCamera(*event);
   }
   Json described = Json::object();
   for (const auto& [name, channel] : channels) {
@@ -68,6 +69,7 @@ Json SummarizeLog(const std::string& path) {
                        {"bytes", channel.bytes}};
   }
   return {{"events", events},
+          {"damaged_bytes", log.damaged_bytes()},
           {"duration_s", 1e-6 * static_cast<double>(last_us - first_us)},
           {"run", run},
           {"camera", camera},

@@ -97,10 +97,11 @@ bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
     return frames.HasNews() || (pace_ != Pace::kLockstep && deltas_.HasMessage());
   };
   while (true) {
-    if (!peers_.WaitFor(news, {kPlayer})) return false;
     status_.SetQueued(static_cast<int64_t>(frames.size()));
+    if (!peers_.WaitFor(news, {kPlayer})) return false;
     if (frames.Ended()) return true;
     if (const auto item = frames.TryTake()) {
+      status_.SetQueued(static_cast<int64_t>(frames.size()));
       if (!Process(*item)) return false;
       frames.Done(item->header);
       status_.AddProcessed();

@@ -1,6 +1,7 @@
 #include "player/log_source.h"
 
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -42,7 +43,10 @@ class LogSource : public ImageSource {
     Stopwatch watch;
     while (std::optional<LogEvent> event = reader_.Next()) {
       std::optional<SourceFrame> frame = has_features_ ? ReadFeatures(*event) : ReadImage(*event);
-      if (!frame || passed_++ < options_.start) continue;
+      // A frontend that was started again may have published a frame twice.
+      if (!frame || frame->stamp_us <= last_us_) continue;
+      last_us_ = frame->stamp_us;
+      if (passed_++ < options_.start) continue;
       frame->decode_ms = watch.Lap_ms();
       ++delivered_;
       return frame;
@@ -96,6 +100,10 @@ class LogSource : public ImageSource {
         ++features_;
       }
     }
+    if (reader.damaged_bytes() > 0) {
+      options_.tell(
+          fmt::format("{}: {} bytes are damaged and left out", path_, reader.damaged_bytes()));
+    }
     refused_ = 0;
     if (!has_camera) Fail("holds no camera; record it with `run --record features` or `all`");
   }
@@ -141,6 +149,7 @@ class LogSource : public ImageSource {
   TruthTrack truth_;
   bool has_features_ = false;
   int64_t images_ = 0, handles_ = 0, features_ = 0;
+  int64_t last_us_ = std::numeric_limits<int64_t>::min();
   int64_t passed_ = 0, delivered_ = 0, refused_ = 0;
 };
 

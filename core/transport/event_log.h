@@ -25,7 +25,8 @@ class EventLogWriter {
   EventLogWriter(const EventLogWriter&) = delete;
   EventLogWriter& operator=(const EventLogWriter&) = delete;
 
-  /// Throws std::runtime_error if the event cannot be written as a whole.
+  /// Throws std::runtime_error if the event cannot be written as a whole, and while the disk is so
+  /// full (32 MB free) that a run's results would find no room.
   void Write(int64_t stamp_us, const std::string& channel, std::span<const uint8_t> bytes);
   /// Hands everything to the operating system; throws as Write does.
   void Flush();
@@ -45,6 +46,8 @@ class EventLogReader {
 
   /// nullopt at the end, also where the last event is cut off (its writer was killed).
   std::optional<LogEvent> Next();
+  /// Bytes up to here that belong to no whole event.
+  int64_t damaged_bytes() const;
 
  private:
   class Impl;

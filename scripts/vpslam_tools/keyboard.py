@@ -47,6 +47,7 @@ class Keyboard:
         self._supervisor, self._progress = supervisor, progress
         self._command = console.command_line("command", "--url", url)
         self._console = None
+        self._listening = False
         self._keys = Keys()
 
     def __enter__(self):
@@ -58,14 +59,18 @@ class Keyboard:
         self._before = termios.tcgetattr(sys.stdin)
         tty.setcbreak(sys.stdin, termios.TCSANOW)  # Ctrl-C still is a signal
         self._supervisor.watch(sys.stdin, self._on_input)
+        self._listening = True
         self._progress.tell(HELP)
         return self
 
     def __exit__(self, *_):
         if self._console is None:
             return
-        self._supervisor.unwatch(sys.stdin)
-        termios.tcsetattr(sys.stdin, termios.TCSANOW, self._before)
+        self._stop_listening()
+        try:
+            termios.tcsetattr(sys.stdin, termios.TCSANOW, self._before)
+        except termios.error:
+            pass  # the terminal has gone
         try:
             self._console.stdin.close()
         except OSError:
@@ -79,8 +84,19 @@ class Keyboard:
         except (OSError, ValueError, AttributeError):
             return False
 
+    def _stop_listening(self):
+        if self._listening:
+            self._supervisor.unwatch(sys.stdin)
+            self._listening = False
+
     def _on_input(self):
-        for key in os.read(sys.stdin.fileno(), 64).decode(errors="replace"):
+        try:
+            keys = os.read(sys.stdin.fileno(), 64)
+        except OSError:
+            keys = b""
+        if not keys:
+            self._stop_listening()  # the terminal has gone
+        for key in keys.decode(errors="replace"):
             command = self._keys.command(key)
             if command is None:
                 continue

@@ -30,6 +30,12 @@ def describe(summary):
     if summary["camera"]:
         lines.append("camera   {width} x {height} px".format(**summary["camera"]))
     lines.append(f"length   {summary['duration_s']:.1f} s, {summary['events']} messages")
+    if summary["damaged_bytes"]:
+        lines.append(f"damaged  {summary['damaged_bytes']} bytes, which are left out")
+    unended = [name for name, channel in summary["channels"].items()
+               if name in ("IMAGE", "FEATURES") and not channel["ended"]]
+    if unended:
+        lines.append(f"cut off  {', '.join(unended)}: the end of the sequence is missing")
     lines.append(f"{'channel':<14}{'messages':>9}{'missing':>9}{'repeated':>9}{'MB':>10}")
     for name, channel in summary["channels"].items():
         missing, repeated = ("-" if channel[key] is None else channel[key]

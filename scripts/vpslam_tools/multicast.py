@@ -13,7 +13,7 @@ import subprocess
 
 from vpslam_tools.errors import UserError
 
-GROUP = "239.255.76.67"  # LCM's own default
+GROUP, DEFAULT_PORT = "239.255.76.67", "7667"  # LCM's own
 REPAIR = [["ip", "link", "set", "lo", "up"], ["ip", "route", "add", "224.0.0.0/4", "dev", "lo"]]
 
 
@@ -23,6 +23,14 @@ def free_url():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", 0))
         return f"udpm://{GROUP}:{probe.getsockname()[1]}?ttl=0"
+
+
+def port(url):
+    """Of an LCM URL; a URL without one means LCM's default, one of another kind itself."""
+    network, _, address = url.partition("://")
+    if network != "udpm":
+        return url
+    return address.partition("?")[0].partition(":")[2] or DEFAULT_PORT
 
 
 def ensure_multicast():

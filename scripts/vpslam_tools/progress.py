@@ -1,6 +1,7 @@
 """The progress line, from what the recorder prints: one JSON object a line."""
 
 import json
+import os
 import shutil
 import sys
 import time
@@ -32,19 +33,28 @@ class Progress:
             return False
         if self._on_terminal:
             width = shutil.get_terminal_size().columns - 1
-            print("\r\033[K" + line[:width], end="", file=self._stream, flush=True)
+            self._print("\r\033[K" + line[:width], end="")
             self._line_open = True
         elif time.monotonic() >= self._last_printed + QUIET_S:
-            print(line, file=self._stream, flush=True)
+            self._print(line)
             self._last_printed = time.monotonic()
         return True
 
     def tell(self, text):
         """Another line, in between."""
         if self._line_open:
-            print(file=self._stream)
+            self._print("")
             self._line_open = False
-        print(text, file=self._stream, flush=True)
+        self._print(text)
+
+    def _print(self, text, end="\n"):
+        """Where nobody reads any more (`| head`, a closed terminal) the run goes on in silence."""
+        try:
+            print(text, end=end, file=self._stream, flush=True)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self._stream.fileno())  # also for what Python still holds back
+            os.close(nowhere)
 
 
 def describe(progress):

@@ -44,7 +44,10 @@ def replay(args):
     settings = recorded(summary).get("settings")
     if settings is not None:
         out = pathlib.Path(options.out or run_command.make_default_out("replay"))
-        out.mkdir(parents=True, exist_ok=True)
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise run_command.cannot_be_made(out, error) from None
         options.out = str(out)
         (out / "settings.yaml").write_text(settings)
         options.config = str(out / "settings.yaml")
@@ -64,6 +67,9 @@ def run_options(args, path, summary):
     for name in RECORDED:
         if name in was:
             setattr(options, name, was[name])
+    if options.preset not in presets.PRESETS:
+        raise UserError(f"{path}: recorded with the preset '{options.preset}', which this version "
+                        "does not have; use the version that recorded it")
     if summary["run"]:
         options.seed = summary["run"]["seed"]
     options.source = "log"

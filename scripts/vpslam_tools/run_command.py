@@ -88,11 +88,15 @@ def run_graph(args):
         multicast.ensure_multicast()
     out = pathlib.Path(args.out).resolve() if args.out else make_default_out(args.sequence)
     logs = out / "logs"
+    refuse_what_is_in_use(args, url, out)
     try:
         logs.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_be_made(out, error) from None
-    (out / "summary.json").unlink(missing_ok=True)  # of an earlier run: it marks complete results
+    # Of an earlier run: the one marks complete results; the other is not this run's log.
+    (out / "summary.json").unlink(missing_ok=True)
+    if (out / "log.lcm").exists():
+        (out / "log.lcm").replace(out / "log.lcm.old")
     session = str(args.session or random.SystemRandom().randrange(1, 1 << 62))
     run_record = {"session": session, "url": url, "sequence": args.sequence,
                   "out": str(out), "started": datetime.datetime.now().isoformat("T", "seconds"),
@@ -102,6 +106,20 @@ def run_graph(args):
     progress.tell(f"LCM URL  {url}")
     supervisor = launch(run_record, commands, processes.detectors(args), logs, progress, url)
     return conclude(supervisor, args, out, progress)
+
+
+def refuse_what_is_in_use(args, url, out):
+    """Two graphs on one port would hear each other, two in one folder overwrite each other."""
+    for run in registry.alive_runs():
+        if multicast.port(run["url"]) == multicast.port(url):
+            raise UserError(f"--url {url}: a run on {run['sequence']} uses its port; name another, "
+                            "or leave --url out")
+        if run["out"] == str(out):
+            raise UserError(f"{out}: a run on {run['sequence']} writes there; name another folder "
+                            "with --out")
+    if pathlib.Path(args.sequence).resolve() == out / "log.lcm":
+        raise UserError(f"{out}: holds the log that is to be played; name another folder with "
+                        "--out")
 
 
 def check_input(args):

@@ -27,15 +27,12 @@ def add_parser(commands):
 
 def spy(args):
     install_build.prepare()
+    url = None if args.build_only else find_window_and_graph(args.url)
     install_build.ensure_packages(missing_for_java())
     jar = build_types()
     if args.build_only:
         print(jar)
         return 0
-    url = console.find_url(args.url)
-    if not os.environ.get("DISPLAY"):
-        raise UserError("lcm-spy opens a window and there is no DISPLAY; try it on a desktop, with "
-                        "ssh -X, or look at `vpslam status --watch`")
     asking = subprocess.Popen(
         console.command_line("command", "show", "--every", str(ASK_EVERY_S), "--url", url),
         stdin=subprocess.DEVNULL, preexec_fn=die_with_parent())
@@ -45,6 +42,13 @@ def spy(args):
     finally:
         asking.kill()
         asking.wait()
+
+
+def find_window_and_graph(url):
+    if not os.environ.get("DISPLAY"):
+        raise UserError("lcm-spy opens a window and there is no DISPLAY; try it on a desktop, with "
+                        "ssh -X, or look at `vpslam status --watch`")
+    return console.find_url(url)
 
 
 def java_command(jar, url):

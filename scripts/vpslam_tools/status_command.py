@@ -1,6 +1,9 @@
 """`vpslam status`: a table of a running graph's processes, from what they say of themselves."""
 
 import json
+import os
+import select
+import shutil
 import subprocess
 import sys
 import time
@@ -11,6 +14,7 @@ from vpslam_tools.processes import die_with_parent
 
 LISTEN_S = 1.5   # every process speaks once a second
 REFRESH_S = 1.0
+ENDED = ("finished", "failed")
 SILENT_S = 5.0   # then a line is marked
 FORGET_S = 60.0  # what ended is shown for so long
 COLUMNS = [("process", "{process}", 11), ("pid", "{pid}", 8), ("state", "{state}", 10),
@@ -64,7 +68,7 @@ def describe(rows):
             f"{form.format(**row):<{width}}" if number in (0, 2)
             else f"{form.format(**row):>{width}}  "
             for number, (_, form, width) in enumerate(COLUMNS))
-        ended = row["state"] in ("finished", "failed")
+        ended = row["state"] in ENDED
         silent = f"silent for {row['silent_s']:.0f} s  " * (
             not ended and row["silent_s"] > SILENT_S)
         lines.append((cells + silent + row["message"]).rstrip())
@@ -85,6 +89,18 @@ def show(args):
         listener.communicate()
 
 
+def draw(text, drawn):
+    """Over the `drawn` lines of the last time; the number of lines now."""
+    lines = text.split("\n")
+    if sys.stdout.isatty():
+        width = shutil.get_terminal_size().columns - 1  # a line that wraps would count as two
+        lines = [line[:width] for line in lines]
+        if drawn:
+            print(f"\033[{drawn}A\033[J", end="")
+    print("\n".join(lines), flush=True)
+    return len(lines)
+
+
 def once(listener, as_json):
     table = Table()
     output, errors = listener.communicate()
@@ -100,16 +116,26 @@ def once(listener, as_json):
 
 
 def watch(listener, as_json):
-    table, shown, lines = Table(), 0.0, 0
-    for line in listener.stdout:
+    """Until the graph has ended: all of its processes have, or are gone without a word."""
+    table, shown, drawn, rest = Table(), 0.0, 0, b""
+    while True:
+        data = None
+        if select.select([listener.stdout], [], [], REFRESH_S)[0]:
+            data = os.read(listener.stdout.fileno(), 65536)
+            if not data:
+                break
         now = time.monotonic()
-        table.add(line, now)
-        if as_json:
-            print(line, end="", flush=True)
-        elif now >= shown + REFRESH_S:
-            text = describe(table.rows(now))
-            if sys.stdout.isatty() and lines:
-                print(f"\033[{lines}A\033[J", end="")
-            print(text, flush=True)
-            shown, lines = now, text.count("\n") + 1
+        *lines, rest = (rest + (data or b"")).split(b"\n")
+        for line in lines:
+            table.add(line.decode(), now)
+            if as_json:
+                print(line.decode(), flush=True)
+        rows = table.rows(now)
+        ended = [row["state"] in ENDED for row in rows]
+        over = any(ended) and all(end or row["silent_s"] > SILENT_S
+                                  for end, row in zip(ended, rows))
+        if rows and not as_json and (over or now >= shown + REFRESH_S):
+            drawn, shown = draw(describe(rows), drawn), now
+        if over:
+            return 0
     raise UserError(listener.stderr.read().strip().removeprefix("console: ") or "it fell silent")

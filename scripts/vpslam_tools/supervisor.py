@@ -146,7 +146,8 @@ class Supervisor:
         self._wait(0)  # the last output
 
     def _terminate(self, children, patience_s):
-        interrupts = self.interrupts
+        """A second interrupt ends the patience; the first one is what ends a run in order."""
+        interrupts = max(self.interrupts, 1)
         deadline = time.monotonic() + patience_s
         for child in children:
             child.signal(signal.SIGTERM)

@@ -72,7 +72,7 @@ class Replay(system.SystemTest):
         broken = self.folder / "broken.lcm"
         broken.write_text("# rubbish")
         for path, expected in ((broken, "is no log of LCM messages"),
-                               (self.folder / "nowhere", "is no log of LCM messages")):
+                               (self.folder / "nowhere", "no such file")):
             status, output = self.run_to_end(path, command="replay")
             self.assertEqual(status, 1)
             self.assertIn(expected, output)

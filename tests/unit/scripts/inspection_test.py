@@ -1,14 +1,17 @@
 """status, log, replay and keys, without processes: what they make of what `console` says."""
 
 import argparse
+import contextlib
+import io
 import pathlib
+import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 
-from vpslam_tools import (console, errors, keyboard, log_command, registry, replay_command,  # noqa: E402
-                          restarts, run_command, status_command)
+from vpslam_tools import (console, errors, keyboard, log_command, multicast, registry,  # noqa: E402
+                          replay_command, restarts, run_command, status_command)
 
 STATUS = ('{{"process": "{process}", "session": "{session}", "pid": {pid}, "state": "{state}", '
           '"rate_hz": 29.97, "processed": 300, "queued": 1, "dropped": 2, "gaps": 3, '
@@ -43,6 +46,28 @@ class Status(unittest.TestCase):
         self.assertNotIn("silent", status_command.describe(rows))
         self.assertIn("silent for 20 s", status_command.describe(table.rows(30.0)))
         self.assertEqual(table.rows(200.0), [])
+
+
+class Watch(unittest.TestCase):
+    def test_ends_with_the_graph_whatever_was_said_last(self):
+        lines = [status("player", 1), status("frontend", 2), status("player", 1, state="finished"),
+                 status("frontend", 2, state="finished")]
+        said = subprocess.Popen(["/bin/sh", "-c", 'printf "%s\\n" "$@"; exec sleep 60', "sh", *lines],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(said.communicate)
+        self.addCleanup(said.kill)
+        shown = io.StringIO()
+        with contextlib.redirect_stdout(shown):
+            self.assertEqual(status_command.watch(said, as_json=False), 0)
+        self.assertEqual(shown.getvalue().strip().splitlines()[-1].split()[2], "finished")
+
+
+class Ports(unittest.TestCase):
+    def test_graphs_are_kept_apart_by_them(self):
+        self.assertEqual(multicast.port("udpm://239.255.76.67:7001?ttl=0"),
+                         multicast.port("udpm://239.255.76.99:7001"))
+        self.assertEqual(multicast.port("udpm://?ttl=0"), multicast.port("udpm://1.2.3.4:7667"))
+        self.assertNotEqual(multicast.port("udpm://:1"), multicast.port("udpm://:2"))
 
 
 class Keys(unittest.TestCase):
@@ -82,7 +107,7 @@ class RestartLimits(unittest.TestCase):
         self.assertFalse(self.restarts.plan("backend"))
 
 
-SUMMARY = {"events": 10, "duration_s": 2.5, "camera": {"width": 640, "height": 480},
+SUMMARY = {"events": 10, "damaged_bytes": 0, "duration_s": 2.5, "camera": {"width": 640, "height": 480},
            "run": {"seed": 7, "commit": "abc", "options": {
                "sequence": "room", "set": ["frontend.orb.num_features=900"], "pace": "lockstep",
                "preset": "points", "detectors": 2, "camera": "mine.yaml", "frames": 100}},
@@ -125,6 +150,13 @@ class Replay(unittest.TestCase):
         self.assertEqual(options.detectors, 1)
         self.assertTrue(self.options("--features", channels=both).from_features)
 
+    def test_a_preset_of_another_version(self):
+        options = dict(SUMMARY["run"]["options"], preset="magic")
+        summary = dict(SUMMARY, run=dict(SUMMARY["run"], options=options))
+        with self.assertRaisesRegex(errors.UserError, "preset 'magic'"):
+            replay_command.run_options(replay_arguments("log.lcm"), pathlib.Path("log.lcm"),
+                                       summary)
+
     def test_a_log_without_frames(self):
         with self.assertRaisesRegex(errors.UserError, "neither images nor features"):
             self.options(channels=("CAMERA",))
@@ -144,6 +176,15 @@ class Log(unittest.TestCase):
         rows = {line.split()[0]: line.split()[1:] for line in text.splitlines()}
         self.assertEqual(rows["FEATURES"], ["100", "1", "2", "5.200"])
         self.assertEqual(rows["ACK"], ["50", "-", "-", "0.001"])
+        self.assertNotIn("damaged", text)
+        self.assertNotIn("cut off", text)
+
+    def test_a_log_that_was_cut_off(self):
+        features = dict(SUMMARY["channels"]["FEATURES"], ended=0)
+        text = log_command.describe(dict(SUMMARY, damaged_bytes=99,
+                                         channels={"FEATURES": features}))
+        self.assertIn("damaged  99 bytes", text)
+        self.assertIn("cut off  FEATURES", text)
 
 
 class WhichRun(unittest.TestCase):

@@ -121,6 +121,32 @@ class GoodRun(LauncherTest):
         ports = {re.search(r"udpm://[\d.]+:(\d+)", output).group(1) for _, output in outputs}
         self.assertEqual(len(ports), 2)
 
+    def test_goes_on_where_nobody_reads_what_it_says(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="1")
+        self.wait_until_running()
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=PATIENCE_S), 0)
+        self.assertTrue((self.folder / "out" / "summary.json").exists())
+        self.assert_nothing_left()
+
+    def test_refuses_what_another_run_uses(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300")
+        url = self.wait_until_running()["url"]
+        for arguments, expected in ((["--out", "out"], "a run on room writes there"),
+                                    (["--url", url], "a run on room uses its port")):
+            status, output = self.finish(self.start("run", "room", *arguments))
+            self.assertEqual(status, 1, output)
+            self.assertIn(expected, output)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(self.finish(process)[0], 0)
+
+    def test_keeps_the_log_of_an_earlier_run(self):
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "log.lcm").write_text("earlier")
+        self.assertEqual(self.finish(self.start("run", "room", "--out", "out"))[0], 0)
+        self.assertFalse((self.folder / "out" / "log.lcm").exists())
+        self.assertEqual((self.folder / "out" / "log.lcm.old").read_text(), "earlier")
+
     def test_a_run_is_registered_while_it_lasts(self):
         process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
                              patch="supervisor.INTERRUPT_S = 5")

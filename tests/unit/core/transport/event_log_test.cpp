@@ -52,7 +52,27 @@ TEST_F(EventLog, EndsBeforeAnEventThatWasCutOff) {
     while (log.Next()) ++events;
     EXPECT_GE(events, 17);
     EXPECT_LT(events, 20);
+    EXPECT_GT(log.damaged_bytes(), 0);
   }
+}
+
+TEST_F(EventLog, TellsWhatWasOverwritten) {
+  Write(20);
+  {
+    EventLogReader sound(path_.string());
+    while (sound.Next()) {
+    }
+    EXPECT_EQ(sound.damaged_bytes(), 0);
+  }
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  for (int at = 4; at < 40; ++at) file.seekp(at).put('\0');
+  file.close();
+  EventLogReader log(path_.string());
+  int events = 0;
+  while (log.Next()) ++events;
+  EXPECT_LT(events, 20);
+  EXPECT_GT(events, 15);
+  EXPECT_GT(log.damaged_bytes(), 0);
 }
 
 TEST_F(EventLog, RefusesWhatIsNoLog) {
