@@ -44,7 +44,8 @@ class EventLogReader {
   EventLogReader(const EventLogReader&) = delete;
   EventLogReader& operator=(const EventLogReader&) = delete;
 
-  /// nullopt at the end, also where the last event is cut off (its writer was killed).
+  /// nullopt at the end, also where the last event is cut off (its writer was killed), and where
+  /// the file is damaged: LCM reads no further.
   std::optional<LogEvent> Next();
   /// Bytes up to here that belong to no whole event.
   int64_t damaged_bytes() const;
