@@ -7,8 +7,8 @@
 
 namespace vpslam {
 
-/// {"events", "damaged_bytes", "duration_s", "run": {"seed", "commit", "options"}, "camera":
-/// {"width", "height"},
+/// {"events", "damaged_bytes", "duration_s",
+///  "run": {"seed", "commit", "options"}, "camera": {"width", "height"},
 ///  "channels": {name: {"messages", "missing", "repeated", "ended", "bytes"}}}
 ///
 /// `missing` counts sequence numbers left out, over all senders of the channel; null where senders

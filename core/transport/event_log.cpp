@@ -16,8 +16,6 @@ constexpr std::array<uint8_t, 4> kSyncWord = {0xED, 0xA1, 0xDA, 0x01};
 
 constexpr std::uintmax_t kSpaceLeftBytes = 32'000'000;
 constexpr int64_t kCheckSpaceEveryBytes = 1'000'000;
-// Of an event beside channel and data: sync word, number, stamp, two lengths.
-constexpr int64_t kEventFrameBytes = 28;
 
 struct Destroy {
   void operator()(lcm_eventlog_t* log) const { lcm_eventlog_destroy(log); }
@@ -102,19 +100,15 @@ class EventLogReader::Impl {
   std::optional<LogEvent> Next() {
     lcm_eventlog_event_t* event = lcm_eventlog_read_next_event(log_.get());
     if (!event) {
-      damaged_bytes_ += size_bytes_ - position_;
-      position_ = size_bytes_;
+      damaged_bytes_ = size_bytes_ - position_;
       return std::nullopt;
     }
     const auto* data = static_cast<const uint8_t*>(event->data);
     LogEvent result{event->timestamp,
                     std::string(event->channel, static_cast<std::size_t>(event->channellen)),
                     {data, data + event->datalen}};
-    const int64_t length = kEventFrameBytes + event->channellen + event->datalen;
     lcm_eventlog_free_event(event);
-    const auto end = static_cast<int64_t>(ftello(log_->f));
-    damaged_bytes_ += end - position_ - length;
-    position_ = end;
+    position_ = static_cast<int64_t>(ftello(log_->f));
     return result;
   }
 

@@ -47,7 +47,7 @@ class EventLogReader {
   /// nullopt at the end, also where the last event is cut off (its writer was killed), and where
   /// the file is damaged: LCM reads no further.
   std::optional<LogEvent> Next();
-  /// Bytes up to here that belong to no whole event.
+  /// Bytes at the end that belong to no whole event; 0 before Next() came to the end.
   int64_t damaged_bytes() const;
 
  private:

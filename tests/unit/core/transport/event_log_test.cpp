@@ -41,6 +41,7 @@ TEST_F(EventLog, GivesBackWhatWasWritten) {
     EXPECT_EQ(event->bytes, std::vector<uint8_t>(i, static_cast<uint8_t>(i)));
   }
   EXPECT_FALSE(log.Next());
+  EXPECT_EQ(log.damaged_bytes(), 0);
 }
 
 TEST_F(EventLog, EndsBeforeAnEventThatWasCutOff) {
