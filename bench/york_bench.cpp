@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "bench/vp_metrics.h"
@@ -59,20 +60,41 @@ std::string Format(const Row& row) {
       Milliseconds(row.lines_ms), Milliseconds(row.descriptors_ms), Milliseconds(row.vps_ms));
 }
 
+nlohmann::ordered_json Figures(const Row& row) {
+  const auto median = [](const std::vector<double>& values) {
+    return values.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(Median(values));
+  };
+  return {{"lines", row.lines},
+          {"method", row.method},
+          {"aa_3_5_10", {row.to_truth.AA(3), row.to_truth.AA(5), row.to_truth.AA(10)}},
+          {"mean_vp_error_deg", row.to_truth.MeanCapped_deg()},
+          {"median_rotation_error_deg", row.to_truth.MedianRotation_deg()},
+          {"over_5_deg_percent", row.to_truth.ShareOver5_percent()},
+          {"lines_ms", median(row.lines_ms)},
+          {"descriptors_ms", median(row.descriptors_ms)},
+          {"vps_ms", median(row.vps_ms)}};
+}
+
+void WriteText(const fs::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) {
+    throw std::runtime_error(path.string() + ": cannot be written; name a writable --out");
+  }
+}
+
 /// A line per image: name and three directions x y z each, in camera axes.
 void WriteDirections(const fs::path& file, const YorkFolder& york, const Row& row) {
-  std::ofstream out(file);
+  std::string out;
   for (size_t i = 0; i < york.images.size(); ++i) {
-    out << york.images[i].name;
+    out += york.images[i].name;
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d d = row.found[i].col(k);
-      out << fmt::format(" {:.8f} {:.8f} {:.8f}", d.x(), d.y(), d.z());
+      out += fmt::format(" {:.8f} {:.8f} {:.8f}", d.x(), d.y(), d.z());
     }
-    out << "\n";
+    out += "\n";
   }
-  if (!out.flush()) {
-    throw std::runtime_error(file.string() + ": cannot be written; name a writable --out");
-  }
+  WriteText(file, out);
 }
 
 /// True segments with true labels, least squares on SO(3): what truth and annotation allow.
@@ -198,14 +220,14 @@ void Run(const std::string& data, const std::string& out_folder, bool annotated)
       "images over 5 (%) | to annotation: mean VP / median rotation | lines | descriptors | VPs "
       "|\n|---|---|---|---|---|---|---|---|---|---|\n",
       york.images.size());
-  for (const Row& row : rows) table += Format(row);
-  std::cout << table;
-  std::ofstream file(out / "york.md");
-  file << table;
-  if (!file.flush()) {
-    throw std::runtime_error((out / "york.md").string() +
-                             ": cannot be written; name a writable --out");
+  auto figures = nlohmann::ordered_json::array();
+  for (const Row& row : rows) {
+    table += Format(row);
+    figures.push_back(Figures(row));
   }
+  std::cout << table;
+  WriteText(out / "york.md", table);
+  WriteText(out / "york.json", figures.dump(2) + "\n");
 }
 
 }  // namespace
@@ -217,7 +239,7 @@ int main(int argc, char** argv) {
   bool annotated = false;
   app.add_option("--data", data, "folder with images/, manhattan.txt, camera.yaml, lines.txt")
       ->required();
-  app.add_option("--out", out, "folder for directions*.txt and york.md; made if missing")
+  app.add_option("--out", out, "folder for directions*.txt, york.md and york.json; made if missing")
       ->required();
   app.add_flag("--annotated", annotated, "run the methods on the annotated segments, too");
   try {

@@ -1,11 +1,11 @@
 #include "recorder/message_log.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <functional>
-#include <list>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -31,6 +31,10 @@ namespace {
 
 constexpr const char* kName = "recorder";
 constexpr std::chrono::seconds kAskForCameraEvery{1};
+/// What nobody waits for is written together: each awakening costs more than what it writes.
+constexpr std::chrono::milliseconds kWriteEvery{20};
+/// Messages that a writer waits for; more than windows hold come from writers that do not wait.
+constexpr int kMaxAwaited = 256;
 
 using Bytes = std::vector<uint8_t>;
 
@@ -128,47 +132,47 @@ class MessageLog::Impl {
   }
 
   void Add(Entry entry) {
+    const bool is_awaited = static_cast<bool>(entry.done);
     {
       const std::lock_guard lock(mutex_);
-      if (closing_) return;
+      // In real time a disk that is too slow misses messages, which the counts show.
+      if (closing_ || (is_awaited && awaited_ >= kMaxAwaited)) return;
       queue_.push_back(std::move(entry));
+      awaited_ += is_awaited;
     }
-    changed_.notify_all();
+    if (is_awaited) changed_.notify_all();
   }
 
   void Tick() {
     const auto now = std::chrono::steady_clock::now();
-    {
-      const std::lock_guard lock(mutex_);
-      if (begun_ || now < asked_ + kAskForCameraEvery) return;
-      asked_ = now;
-    }
+    if (begun_ || now < asked_ + kAskForCameraEvery) return;
+    asked_ = now;
     camera_requests_.Publish({"player", CommandAction::kSendCamera});
   }
 
   // ---- The writer's thread ----
 
   void RunWriter() {
-    std::list<Entry> before_camera;
+    std::deque<Entry> before_camera, taken;
     std::unique_lock lock(mutex_);
-    while (true) {
-      changed_.wait(lock, [this] { return closing_ || !queue_.empty(); });
-      if (queue_.empty()) break;
-      Entry entry = std::move(queue_.front());
-      queue_.pop_front();
-      const bool begins = !begun_ && entry.channel == kCameraChannel;
-      begun_ = begun_ || begins;
-      const bool hold = !begun_;
+    while (!closing_ || !queue_.empty()) {
+      changed_.wait_for(lock, kWriteEvery, [this] { return closing_ || awaited_ > 0; });
+      taken.swap(queue_);
+      awaited_ = 0;
       lock.unlock();
-      if (hold) {
-        before_camera.push_back(std::move(entry));
-      } else {
-        Write(std::move(entry));
-        if (begins) {
+      for (Entry& entry : taken) {
+        if (begun_) {
+          Write(std::move(entry));
+        } else if (entry.channel != kCameraChannel) {
+          before_camera.push_back(std::move(entry));
+        } else {
+          begun_ = true;
+          Write(std::move(entry));
           WriteRun();
           WriteAll(&before_camera);
         }
       }
+      taken.clear();
       lock.lock();
     }
     lock.unlock();
@@ -177,7 +181,7 @@ class MessageLog::Impl {
     Guard([this] { file_.Flush(); });
   }
 
-  void WriteAll(std::list<Entry>* entries) {
+  void WriteAll(std::deque<Entry>* entries) {
     for (Entry& entry : *entries) Write(std::move(entry));
     entries->clear();
   }
@@ -237,16 +241,17 @@ class MessageLog::Impl {
   EventLogWriter file_;                           // of the writer's thread, as
   ImageFetcher fetcher_;                          // this
   std::map<std::string, SequenceWatch> watches_;  // and this
-  Publisher<Command> camera_requests_;
+  Publisher<Command> camera_requests_;            // of the timer's thread, as
+  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();  // this
+  std::atomic<bool> begun_ = false;  // the camera has come
 
   mutable std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
   std::deque<Entry> queue_;
+  int awaited_ = 0;  // in the queue
   bool closing_ = false;
-  bool begun_ = false;  // the camera has come
   std::optional<std::string> error_;
   std::map<std::string, Count> counts_;
-  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
 
   std::thread thread_;
   std::unique_ptr<StreamReader<Truth>> truths_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -26,6 +27,8 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kProgressInterval{200};
+/// What comes meanwhile is taken together: nobody waits for it, and each awakening costs.
+constexpr milliseconds kRest{10};
 /// A request for a snapshot is repeated when nothing fitting came for so long.
 constexpr milliseconds kAskAgainAfter{1000};
 /// The last statuses, with what each process used in all, follow closely upon the streams' ends.
@@ -74,6 +77,7 @@ class Recorder::Impl {
       bus_.WaitFor([&] { return HasWork() || Ended() || (stop && !give_up); }, kProgressInterval);
       Work();
       ShowProgress(false);
+      std::this_thread::sleep_for(kRest);
     }
     const bool complete = Ended();
     bus_.WaitFor(

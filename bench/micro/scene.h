@@ -29,11 +29,13 @@ struct MapScene {
 };
 
 /// `num_keyframes` views from a camera that moves sideways by 5 cm, some 300 points in each,
-/// corners with 1 px of noise, poses and points off by 1 cm; the same for the same number.
-MapScene MakeMapScene(int num_keyframes);
+/// and some 50 upright lines if asked for, corners and ends of segments with 1 px of noise, poses,
+/// points and lines off by 1 cm; the same for the same number.
+MapScene MakeMapScene(int num_keyframes, bool with_lines = false);
 
-/// `count` exact points and their projections with 1 px of noise into a camera at the origin.
-PoseMeasurements MakeMeasurements(const Camera& camera, int count);
+/// `count` exact points and their projections with 1 px of noise into a camera at the origin; with
+/// lines the like of these, and a measured rotation.
+PoseMeasurements MakeMeasurements(const Camera& camera, int count, int num_lines = 0);
 
 Camera SceneCamera();
 

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -65,6 +66,15 @@ class SignalThread {
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
+
+/// glibc gives every buffer of the size of an image back to the kernel and asks for it again for
+/// the next one; clearing its pages can cost as much as filling them.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that is allowed
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
 
 }  // namespace
 
@@ -127,6 +137,7 @@ int RunProcess(CLI::App& app, int argc, char** argv, ProcessOptions* options,
     return app.exit(e) == 0 ? kExitOk : kExitUsage;
   }
   SetUpLog(*options);
+  KeepFreedMemory();
   try {
     const sigset_t signals = StopSignals();
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // inherited by all threads

@@ -11,6 +11,9 @@ from vpslam_tools.errors import UserError
 from vpslam_tools.figure_style import COLOURS, STYLE, WIDTH_IN, pyplot, write
 
 KEYFRAME_RED = 200   # at least so much red, and at most half of it green: a keyframe, not a point
+MARGINS_IN = (1.2, 1.1)  # of the figure: labels beside and below the views
+MAX_HEIGHT_IN = 9.0
+LEAST_SHARE = 0.2     # of the longest side, for the shortest
 SHOWN_SHARE = 0.98   # of the points, in each direction; stray ones would shrink the rest to nothing
 
 
@@ -53,24 +56,32 @@ def read_ply(path):
 
 
 def map_figure(ply_map, path_positions, path, title="", unit="m"):
-    """path_positions: (n, 3) of the camera, in the frame of the map. Writes `path`.png and .svg."""
+    """From above, from the front (below it) and from the side (beside it), all to one scale, as in a
+    technical drawing. path_positions: (n, 3) of the camera, in the frame of the map. Writes
+    `path`.png and .svg."""
     spread = np.ptp(path_positions, axis=0)
     first, second = sorted(np.argsort(-spread, kind="stable")[:2])
     third = 3 - first - second
     low, high = _limits(ply_map, path_positions)
+    size = high - low
+    inch = (WIDTH_IN - MARGINS_IN[0]) / (size[first] + size[third])
+    height_in = min(MAX_HEIGHT_IN, MARGINS_IN[1] + inch * (size[second] + size[third]))
     with pyplot().rc_context(STYLE):
-        figure, views = pyplot().subplots(1, 3, figsize=(WIDTH_IN, 0.44 * WIDTH_IN),
-                                          layout="constrained")
-        for axes, (right, up) in zip(views, ((first, second), (first, third), (second, third))):
+        figure = pyplot().figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=[size[first], size[third]],
+                                   height_ratios=[size[second], size[third]])
+        for cell, (right, up) in ((grid[0, 0], (first, second)), (grid[0, 1], (third, second)),
+                                  (grid[1, 0], (first, third))):
+            axes = figure.add_subplot(cell)
             _draw(axes, ply_map, path_positions, right, up)
             axes.set_xlim(low[right], high[right])
             axes.set_ylim(low[up], high[up])
-            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_aspect("equal", adjustable="box")
             axes.set_xlabel(f"{'xyz'[right]} ({unit})")
             axes.set_ylabel(f"{'xyz'[up]} ({unit})")
-        handles, labels = views[0].get_legend_handles_labels()
-        figure.get_layout_engine().set(rect=(0, 0.09, 1, 0.91))
-        figure.legend(handles, labels, loc="lower center", ncols=len(labels), markerscale=3)
+        corner = figure.add_subplot(grid[1, 1])
+        corner.axis("off")
+        corner.legend(*axes.get_legend_handles_labels(), loc="center", markerscale=3)
         figure.suptitle(title, fontsize=9)
         return write(figure, path)
 
@@ -81,8 +92,10 @@ def _limits(ply_map, path_positions):
         cut = 50 * (1 - SHOWN_SHARE)
         inner = np.vstack([inner, np.percentile(ply_map.points, [cut, 100 - cut], axis=0)])
     low, high = inner.min(axis=0), inner.max(axis=0)
-    margin = 0.05 * max(1e-9, float(np.max(high - low)))
-    return low - margin, high + margin
+    # A flat map keeps some height.
+    middle, half = (low + high) / 2, (high - low) / 2
+    half = np.maximum(half, LEAST_SHARE * max(1e-9, float(np.max(half)))) * 1.05
+    return middle - half, middle + half
 
 
 def _draw(axes, ply_map, path_positions, right, up):

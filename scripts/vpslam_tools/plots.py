@@ -1,6 +1,7 @@
 """Figures of trajectories: against the truth from above and from the side, and the error over time.
 
     trajectory_figure(truth, {"VP-SLAM": estimate}, out / "trajectory", title="sim:room")
+    path_figure({"VP-SLAM": estimate}, out / "trajectory", title="my camera")  # without truth
 """
 
 import numpy as np
@@ -32,6 +33,28 @@ def trajectory_figure(truth, estimates, path, title="", with_scale=True):
         _draw_view(side, truth, aligned, (first, third), "from the side")
         above.legend(loc="best", handlelength=2.2)
         _draw_error(figure.add_subplot(grid[1, :]), truth, aligned)
+        if title:
+            figure.suptitle(title, fontsize=9)
+        return write(figure, path)
+
+
+def path_figure(estimates, path, title=""):
+    """As trajectory_figure, where no truth is known: each estimate in the frame and units of its map.
+    """
+    shown = {label: (poses.positions, poses.stamps_s) for label, poses in estimates.items()}
+    first, second = _plane(np.vstack([positions for positions, _ in shown.values()]))
+    third = 3 - first - second
+    with pyplot().rc_context(STYLE):
+        figure, views = pyplot().subplots(1, 2, figsize=(WIDTH_IN, 0.45 * WIDTH_IN),
+                                          layout="constrained")
+        for axes, axes_shown, name in ((views[0], (first, second), "trajectory, from above"),
+                                       (views[1], (first, third), "from the side")):
+            _draw_paths(axes, shown, axes_shown)
+            positions = next(iter(shown.values()))[0]
+            _mark_ends(axes, positions[0], positions[-1], axes_shown)
+            _set_limits(axes, [positions for positions, _ in shown.values()], axes_shown,
+                        "units of the map", name)
+        views[0].legend(loc="best", handlelength=2.2)
         if title:
             figure.suptitle(title, fontsize=9)
         return write(figure, path)
@@ -72,22 +95,39 @@ def _draw_view(axes, truth, aligned, axes_shown, title):
     _, positions = _with_gaps(truth.stamps_s, truth.positions)
     axes.plot(positions[:, first], positions[:, second], color=TRUTH_COLOUR, linewidth=2.4,
               alpha=0.45, label="truth", solid_capstyle="round")
-    for index, (label, (all_positions, stamps_s, _, _)) in enumerate(aligned.items()):
+    shown = {label: (positions, stamps_s) for label, (positions, stamps_s, _, _) in aligned.items()}
+    _draw_paths(axes, shown, axes_shown)
+    _mark_ends(axes, truth.positions[0], truth.positions[-1], axes_shown)
+    _set_limits(axes, [truth.positions] + [positions for positions, _ in shown.values()],
+                axes_shown, "m", title)
+
+
+def _draw_paths(axes, shown, axes_shown):
+    """shown: {label: (positions, times)}"""
+    first, second = axes_shown
+    for index, (label, (all_positions, stamps_s)) in enumerate(shown.items()):
         _, positions = _with_gaps(stamps_s, all_positions)
         axes.plot(positions[:, first], positions[:, second], color=colour(index),
                   linestyle=line_style(index), linewidth=1.0, label=label)
-    start, end = truth.positions[0], truth.positions[-1]
+
+
+def _mark_ends(axes, start, end, axes_shown):
+    first, second = axes_shown
     axes.plot(start[first], start[second], "o", color="black", markersize=4, label="start")
     axes.plot(end[first], end[second], "s", color="black", markersize=4, markerfacecolor="white",
               label="end")
-    shown = np.vstack([truth.positions] + [positions for positions, _, _, _ in aligned.values()])
+
+
+def _set_limits(axes, positions, axes_shown, unit, title):
+    first, second = axes_shown
+    shown = np.vstack(positions)
     low, high = shown.min(axis=0), shown.max(axis=0)
     largest = max(1e-9, float(np.max(high - low)))
     axes.set_xlim(*_limits(low[first], high[first], largest))
     axes.set_ylim(*_limits(low[second], high[second], largest))
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel(f"{'xyz'[first]} (m)")
-    axes.set_ylabel(f"{'xyz'[second]} (m)")
+    axes.set_xlabel(f"{'xyz'[first]} ({unit})")
+    axes.set_ylabel(f"{'xyz'[second]} ({unit})")
     axes.set_title(title, loc="left")
 
 

@@ -75,6 +75,8 @@ def add_graph_arguments(parser):
 
 def run(args):
     check_input(args)
+    if args.camera is None:
+        args.camera = sources.published_camera(args.sequence)
     if args.detectors is None:
         args.detectors = presets.detectors(args)
     return run_graph(args)

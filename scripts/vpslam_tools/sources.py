@@ -3,6 +3,7 @@
 import pathlib
 import re
 
+from vpslam_tools import paths
 from vpslam_tools.errors import UserError
 
 OPTIONS = ["source", "camera", "fps", "width", "height"]  # passed on to the player
@@ -19,7 +20,7 @@ def add_arguments(parser):
                         "tum, euroc, kitti, images, video")
     parser.add_argument("--camera", metavar="FILE",
                         help="calibration, such as those in config/cameras; default: the "
-                        "sequence's own")
+                        "sequence's own, or the published one of its TUM RGB-D camera")
     parser.add_argument("--fps", metavar="HZ", help="rate of plain images, a video or a camera")
     parser.add_argument("--width", metavar="PX", help="asked of a live camera")
     parser.add_argument("--height", metavar="PX", help="asked of a live camera")
@@ -30,6 +31,16 @@ def check(args):
     if not NOT_A_PATH.match(args.sequence) and not pathlib.Path(args.sequence).exists():
         raise UserError(f"{args.sequence}: no such folder, video or camera; for a first try there is "
                         "sim:room")
+
+
+def published_camera(sequence):
+    """File of the calibration that TUM RGB-D publishes for the camera of this sequence, known by its
+    folder's name; None where the folder has its own, or is of another kind."""
+    folder = pathlib.Path(sequence)
+    if NOT_A_PATH.match(sequence) or (folder / "camera.yaml").exists():
+        return None
+    freiburg = re.search(r"freiburg([123])", folder.resolve().name)
+    return str(paths.CONFIG / "cameras" / f"tum{freiburg.group(1)}.yaml") if freiburg else None
 
 
 def short_name(sequence):

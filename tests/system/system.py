@@ -50,8 +50,9 @@ class SystemTest(unittest.TestCase):
         self.sessions = []  # of the runs that this test starts
 
     def start(self, *arguments, command="run", **environment):
-        self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
-        arguments += ("--session", self.sessions[-1])
+        if command != "bench":  # whose runs have sessions of their own
+            self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
+            arguments += ("--session", self.sessions[-1])
         return subprocess.Popen(
             self.network + [VPSLAM, command, *map(str, arguments)], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,

@@ -1,10 +1,8 @@
 """Which sequences are there: those of the catalogue, and any further ones below the same folder."""
 
 import pathlib
-import re
 from dataclasses import dataclass
 
-from vpslam_tools import paths
 from vpslam_tools.benchmark.catalogue import Sequence
 from vpslam_tools.errors import UserError
 
@@ -13,7 +11,6 @@ from vpslam_tools.errors import UserError
 class Found:
     sequence: Sequence
     source: str          # what `vpslam run` is given
-    camera: str          # file, or None for the sequence's own
     frames: int          # None if not known
 
 
@@ -31,14 +28,6 @@ def count_frames(folder):
             lines = listing.read_text(errors="replace").splitlines()
             return sum(1 for line in lines if line.strip() and not line.startswith("#")) or None
     return sum(1 for _ in (folder / "rgb").glob("*.png")) or None
-
-
-def camera_of(folder):
-    """The published calibration, where the sequence brings none."""
-    if (folder / "camera.yaml").exists():
-        return None
-    freiburg = re.search(r"freiburg([123])", folder.resolve().name)
-    return str(paths.CONFIG / "cameras" / f"tum{freiburg.group(1)}.yaml") if freiburg else None
 
 
 def discover(catalogue, data):
@@ -62,8 +51,8 @@ def discover(catalogue, data):
 
 
 def simulated(catalogue):
-    return [Found(each, each.folder, None, 600) for each in catalogue]
+    return [Found(each, each.folder, 600) for each in catalogue]
 
 
 def _found(sequence, folder):
-    return Found(sequence, str(folder.resolve()), camera_of(folder), count_frames(folder))
+    return Found(sequence, str(folder.resolve()), count_frames(folder))

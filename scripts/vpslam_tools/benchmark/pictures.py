@@ -28,6 +28,8 @@ def draw(results, title, folder):
         similarity = align(paired.positions, paired_truth.positions, with_scale=True)
         ply_map, positions = ply_map.moved(similarity), similarity.apply(positions)
         unit = "m"
+    else:
+        written += plots.path_figure({"VP-SLAM": estimate}, folder / "trajectory", title)
     return written + map_figure.map_figure(ply_map, positions, folder / "map", title, unit)
 
 

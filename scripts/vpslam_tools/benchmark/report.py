@@ -69,11 +69,12 @@ def commits_of(runs):
         {run["summary"]["commit"] for run in runs if "summary" in run})
 
 
-def origin(command, commits, seeds):
-    """The sentence that says where a table's figures come from."""
+def origin(command, commits, seeds=None):
+    """The sentence that says where a table's figures come from. seeds: how many, where there are."""
     here = machine()
-    return (f"`{command}`, commit {', '.join(commits) or 'unknown'}, {seeds} "
-            f"seed{'s' * (seeds > 1)}, {here['cores']} cores of {here['cpu']}, load "
+    of_seeds = f"{seeds} seed{'s' * (seeds > 1)}, " if seeds else ""
+    return (f"`{command}`, commit {', '.join(commits) or 'unknown'}, "
+            f"{of_seeds}{here['cores']} cores of {here['cpu']}, load "
             f"{here['load']} in the end.\n")
 
 

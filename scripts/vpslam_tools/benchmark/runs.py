@@ -2,8 +2,9 @@
 
     <out>/runs/<sequence>/<pace>-seed<N>/     results, and bench.json once the run is complete
 
-bench.json holds the key of the run: its options and a digest of the programs. A run whose key is
-still the same is not repeated, so that an interrupted bench goes on where it stopped.
+bench.json holds the key of the run: its options, and digests of the programs and of the calibration
+and settings that it reads. A run whose key is still the same is not repeated, so that an interrupted
+bench goes on where it stopped.
 """
 
 import concurrent.futures
@@ -60,15 +61,26 @@ def programs_digest():
     return digest.hexdigest()[:16]
 
 
+def inputs_digest(command):
+    """Of the small files that `vpslam run` reads; images are taken to stay what they are."""
+    source = command[command.index("run") + 1]
+    files = [f"{source}/camera.yaml", f"{source}/rgb.txt", sources.published_camera(source) or ""]
+    files += [command[index + 1] for index, word in enumerate(command)
+              if word in ("--camera", "--config")]
+    digest = hashlib.sha256()
+    for path in map(pathlib.Path, files):
+        digest.update(path.read_bytes() if path.is_file() else b"")
+    return digest.hexdigest()[:16]
+
+
 def has_pictures(seed):
     return seed == 1
 
 
 def command_of(found, pace, seed, results, options):
-    camera = options.camera or found.camera
     return ([sys.executable, "-I", str(paths.TOOLS), "run", found.source, "--out", str(results),
              "--pace", pace, "--seed", str(seed)]
-            + (["--camera", camera] if camera else [])
+            + (["--camera", options.camera] if options.camera else [])
             + (["--frames", str(options.frames)] if options.frames else [])
             + ["--preview"] * has_pictures(seed) + options.run_options)
 
@@ -96,7 +108,7 @@ def run_jobs(jobs, tell, at_once=1):
 
     def do(index, job):
         key = {"command": [word for word in job.command[4:] if word != str(job.results)],
-               "programs": digest}
+               "programs": digest, "inputs": inputs_digest(job.command)}
         title = f"[{index + 1}/{len(jobs)}] {job.title}"
         run = read_complete(job.results, key)
         if run:

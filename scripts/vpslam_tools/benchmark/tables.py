@@ -63,10 +63,21 @@ def accuracy(entries, paces):
         if with_paper:
             paper = found.sequence.paper or (None,) * 3
             row += [number(value, 3) for value in paper] + [found.sequence.elsewhere or "-"]
+            _mark_least(row, [2 + 3 * index for index in range(len(paces))]
+                        + list(range(len(row) - 1 - len(paper), len(row) - 1)))
         if found.sequence.note:
             notes.append(f"{found.sequence.name}: {found.sequence.note}")
         rows.append(row)
     return markdown(header, rows) + "".join(f"\n- {note}" for note in notes) + "\n" * bool(notes)
+
+
+def _mark_least(row, columns):
+    """Bold, as in the paper; an error of a part of the sequence does not compete."""
+    values = {column: float(row[column].split()[0]) for column in columns
+              if row[column] != "-" and "*" not in row[column]}
+    for column, value in values.items():
+        if value == min(values.values()):
+            row[column] = f"**{row[column]}**"
 
 
 def _accuracy_cells(figures):

@@ -1,5 +1,6 @@
 """`vpslam bench` finds its suites, and calls their programs with what they were given."""
 
+import json
 import os
 import pathlib
 import shutil
@@ -10,6 +11,8 @@ import unittest
 TOOLS = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "vpslam_tools"
 FAKE = """#!/bin/sh
 echo "$(basename "$0") $*"
+echo "a table" > "$4/york.md"
+echo '[{"lines": "lsd", "aa_3_5_10": [1, 2, 3]}]' > "$4/york.json"
 exit ${FAKE_STATUS:-0}
 """
 
@@ -36,9 +39,12 @@ class Bench(unittest.TestCase):
         status, output = self.bench("--suite", "york", "--data", "data", "--out", "a/b",
                                     "--annotated")
         self.assertEqual(status, 0, output)
-        self.assertEqual(output.strip(),
-                         f"york_bench --data data --out {self.folder / 'a/b'} --annotated")
-        self.assertTrue((self.folder / "a" / "b").is_dir())
+        out = self.folder / "a" / "b"
+        self.assertIn(f"york_bench --data data --out {out} --annotated\n", output)
+        results = json.loads((out / "results.json").read_text())
+        self.assertEqual(results["rows"][0]["aa_3_5_10"], [1, 2, 3])
+        for expected in ("a table", "--suite york", "J-Linkage"):
+            self.assertIn(expected, (out / "results.md").read_text())
 
     def test_the_status_is_passed_on(self):
         status, _ = self.bench("--suite", "york", "--data", "data", "--out", "o", FAKE_STATUS="1")

@@ -14,6 +14,7 @@ import numpy as np
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(SOURCE / "scripts"))
+from vpslam_tools import sources  # noqa: E402
 from vpslam_tools.benchmark import catalogue, discovery, runs, scores, tables, timing  # noqa: E402
 from vpslam_tools.errors import UserError  # noqa: E402
 
@@ -114,6 +115,13 @@ class Command(BenchTest):
         with open(self.folder / "bin" / "backend", "a") as file:
             file.write("# another\n")
         self.assertEqual(self.bench(*options, "--frames", "7")[2], 2)
+        # Files that are still of the same name.
+        (self.folder / "data" / "car_park" / "camera.yaml").write_text("another: one\n")
+        self.assertEqual(self.bench(*options, "--frames", "7")[2], 1)
+        settings = self.folder / "settings.yaml"
+        for text, runs_again in (("frontend: {}\n", 2), ("frontend: {}\n", 0), ("backend: {}\n", 2)):
+            settings.write_text(text)
+            self.assertEqual(self.bench(*options, "--config", str(settings))[2], runs_again)
 
     def test_paces_side_by_side(self):
         self.sequence("car_park")
@@ -141,7 +149,7 @@ class Command(BenchTest):
             "--suite", "tum", "--data", "data/rgbd_dataset_freiburg2_desk", "--out", "out")
         self.assertEqual(status, 0, output)
         self.assertNotIn("missing", output)
-        self.assertRegex(output, r"\| fr2/desk \|.*\| 0.012 \| 0.009 \| 0.012 \| .0088 \|")
+        self.assertRegex(output, r"\| fr2/desk \|.*\| 0.012 \| \*\*0.009\*\* \| 0.012 \| .0088 \|")
 
     def test_bad_arguments(self):
         self.sequence("car_park")
@@ -161,10 +169,12 @@ class Parts(BenchTest):
     def test_published_calibration_where_there_is_none(self):
         self.sequence("rgbd_dataset_freiburg3_x", "plain")
         data = self.folder / "data"
-        self.assertTrue(discovery.camera_of(data / "rgbd_dataset_freiburg3_x").endswith("tum3.yaml"))
-        self.assertIsNone(discovery.camera_of(data / "plain"))
+        of_tum = str(data / "rgbd_dataset_freiburg3_x")
+        self.assertTrue(sources.published_camera(of_tum).endswith("tum3.yaml"))
+        for other in (str(data / "plain"), "sim:freiburg3"):
+            self.assertIsNone(sources.published_camera(other))
         (data / "rgbd_dataset_freiburg3_x" / "camera.yaml").touch()
-        self.assertIsNone(discovery.camera_of(data / "rgbd_dataset_freiburg3_x"))
+        self.assertIsNone(sources.published_camera(of_tum))
 
     def test_layouts_and_frames(self):
         data = self.folder / "layouts"

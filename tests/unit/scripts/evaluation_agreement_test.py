@@ -59,15 +59,18 @@ class Agreement(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def check(self, estimate, truth):
-        result = evaluation.evaluate(trajectory.read_trajectory(estimate),
-                                     trajectory.read_trajectory(truth))
-        other = evaluation_reference.evaluate(evaluation_reference.read(estimate),
-                                              evaluation_reference.read(truth))
-        for name, value in (("ate_m", result.ate_m.rmse), ("scale", result.scale),
-                            ("rotation_deg", result.rotation_deg.rmse),
-                            ("rpe_m", result.rpe_translation_m.rmse),
-                            ("rpe_deg", result.rpe_rotation_deg.rmse)):
-            self.assertAlmostEqual(value, other[name], delta=TOLERANCE, msg=f"{name} of {estimate}")
+        for with_scale in (True, False):
+            result = evaluation.evaluate(trajectory.read_trajectory(estimate),
+                                         trajectory.read_trajectory(truth), with_scale=with_scale)
+            other = evaluation_reference.evaluate(evaluation_reference.read(estimate),
+                                                  evaluation_reference.read(truth), with_scale)
+            for name, value in (("ate_m", result.ate_m.rmse), ("scale", result.scale),
+                                ("rotation_deg", result.rotation_deg.rmse),
+                                ("rpe_m", result.rpe_translation_m.rmse),
+                                ("rpe_deg", result.rpe_rotation_deg.rmse),
+                                ("drift_deg_per_m", result.rotation_drift_deg_per_m)):
+                self.assertAlmostEqual(value, other[name], delta=TOLERANCE,
+                                       msg=f"{name} of {estimate}, with scale: {with_scale}")
 
     def check_made_worse(self, truth, seed):
         write(truth, self.folder / "truth.txt")

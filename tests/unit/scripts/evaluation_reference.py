@@ -57,8 +57,8 @@ def associate(estimate, truth, max_difference_s=0.02):
     return pairs
 
 
-def horn(source, target):
-    """scale, quaternion, translation of the similarity that maps source to target."""
+def horn(source, target, with_scale=True):
+    """scale, quaternion, translation of the similarity (or rigid motion) that maps source to target."""
     n = len(source)
     source_mean = [sum(p[i] for p in source) / n for i in range(3)]
     target_mean = [sum(p[i] for p in target) / n for i in range(3)]
@@ -72,7 +72,7 @@ def horn(source, target):
         [s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]]]))
     turned = [rotate(q, u) for u in a]
     scale = (sum(v[i] * u[i] for u, v in zip(turned, b) for i in range(3))
-             / sum(u[i] * u[i] for u in a for i in range(3)))
+             / sum(u[i] * u[i] for u in a for i in range(3))) if with_scale else 1.0
     mean = rotate(q, source_mean)
     return scale, q, [target_mean[i] - scale * mean[i] for i in range(3)]
 
@@ -81,10 +81,11 @@ def rmse(errors):
     return math.sqrt(sum(error * error for error in errors) / len(errors))
 
 
-def evaluate(estimate, truth):
-    """{"ate_m", "scale", "rotation_deg", "rpe_m", "rpe_deg"}: RMSE, as evaluation.py defines them."""
+def evaluate(estimate, truth, with_scale=True):
+    """{"ate_m", "scale", "rotation_deg", "rpe_m", "rpe_deg"}: RMSE, and {"drift_deg_per_m"}: as
+    evaluation.py defines them."""
     pairs = associate(estimate, truth)
-    scale, q, t = horn([pose[1] for pose, _ in pairs], [near[1] for _, near in pairs])
+    scale, q, t = horn([pose[1] for pose, _ in pairs], [near[1] for _, near in pairs], with_scale)
     distances = []
     for pose, near in pairs:
         moved = rotate(q, pose[1])
@@ -95,7 +96,25 @@ def evaluate(estimate, truth):
                 for pose, near in pairs]
     shifts, relative = relative_errors(pairs, scale)
     return {"ate_m": rmse(distances), "scale": scale, "rotation_deg": rmse(rotation),
-            "rpe_m": rmse(shifts), "rpe_deg": rmse(relative)}
+            "rpe_m": rmse(shifts), "rpe_deg": rmse(relative), "drift_deg_per_m": drift(pairs)}
+
+
+def drift(pairs):
+    way = [0.0]
+    for (_, a), (_, b) in zip(pairs, pairs[1:]):
+        way.append(way[-1] + math.dist(a[1], b[1]))
+    rates = []
+    for i, (first, first_truth) in enumerate(pairs):
+        if way[i] > 0.5 * way[-1]:
+            break
+        j = next((k for k in range(i, len(way)) if way[k] >= way[i] + 0.5 * way[-1]), len(way) - 1)
+        second, second_truth = pairs[j]
+        turn = multiply(conjugate(first[2]), second[2])
+        true_turn = multiply(conjugate(first_truth[2]), second_truth[2])
+        rates.append(angle_deg(multiply(conjugate(true_turn), turn)) / (way[j] - way[i]))
+    rates.sort()
+    middle = len(rates) // 2
+    return rates[middle] if len(rates) % 2 else (rates[middle - 1] + rates[middle]) / 2
 
 
 def relative_errors(pairs, scale, delta_s=1.0):
