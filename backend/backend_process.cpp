@@ -44,15 +44,14 @@ void BackendProcess::Run() {
   if (!camera) return;
   mapper_ = make_mapper_(*camera);
   status_.SetState(ProcessState::kRunning);
+  const auto queue = status_.WatchQueue([this] { return static_cast<int64_t>(keyframes_.size()); });
   while (true) {
     const auto news = [this] { return keyframes_.HasNews() || requests_.HasMessage(); };
-    status_.SetQueued(static_cast<int64_t>(keyframes_.size()));
     if (!peers_.WaitFor(news, {"frontend"})) return;
     if (!AnswerRequests()) return;
     if (keyframes_.Ended()) break;
     const auto item = keyframes_.TryTake();
     if (!item) continue;
-    status_.SetQueued(static_cast<int64_t>(keyframes_.size()));
     if (!Work(item->value)) return;
   }
   if (deltas_.SendEnd() && deltas_.WaitAllAcked(kForever)) spdlog::info("end of the sequence");

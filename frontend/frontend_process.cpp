@@ -96,12 +96,11 @@ bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
   const auto news = [&] {
     return frames.HasNews() || (pace_ != Pace::kLockstep && deltas_.HasMessage());
   };
+  const auto queue = status_.WatchQueue([&frames] { return static_cast<int64_t>(frames.size()); });
   while (true) {
-    status_.SetQueued(static_cast<int64_t>(frames.size()));
     if (!peers_.WaitFor(news, {kPlayer})) return false;
     if (frames.Ended()) return true;
     if (const auto item = frames.TryTake()) {
-      status_.SetQueued(static_cast<int64_t>(frames.size()));
       if (!Process(*item)) return false;
       frames.Done(item->header);
       status_.AddProcessed();

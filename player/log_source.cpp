@@ -104,6 +104,11 @@ class LogSource : public ImageSource {
       options_.tell(
           fmt::format("{}: {} bytes are damaged and left out", path_, reader.damaged_bytes()));
     }
+    if (refused_ > 0 && (!has_camera || images_ + handles_ + features_ == 0)) {
+      Fail(
+          "its messages are damaged or of another version of the protocol; replay it with the "
+          "version that recorded it");
+    }
     refused_ = 0;
     if (!has_camera) Fail("holds no camera; record it with `run --record features` or `all`");
   }

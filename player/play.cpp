@@ -133,6 +133,14 @@ class Player {
     return SleepUntil([&] { return control_.Due(stamp_us, PlayControl::Clock::now()); });
   }
 
+  /// False if the frame is not to go out. A pause may come while its turn is waited for.
+  bool WaitToSend(int64_t stamp_us) {
+    do {
+      if (!WaitForControl(stamp_us) || !WaitForTurn(stamp_us) || Stopping()) return false;
+    } while (control_.paused());
+    return true;
+  }
+
   /// `due_at` says when, as things stand; nullopt: not yet known. False if stopped.
   template <class Due>
   bool SleepUntil(const Due& due_at) {
@@ -198,10 +206,7 @@ class Player {
         return std::current_exception();
       }
       // Before the time of publishing is taken: it is not to include the wait.
-      if (!frame || !WaitForControl(frame->stamp_us) || !WaitForTurn(frame->stamp_us) ||
-          Stopping()) {
-        break;
-      }
+      if (!frame || !WaitToSend(frame->stamp_us)) break;
       if (!SendFrame(*frame)) break;
     }
     return nullptr;

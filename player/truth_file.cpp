@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <spdlog/spdlog.h>
 
 namespace vpslam {
 
@@ -15,8 +16,13 @@ TruthFile::TruthFile(std::string path) : path_(std::move(path)) {
 }
 
 void TruthFile::Add(int64_t stamp_us, const SE3& world_from_cam) {
+  if (is_given_up_) return;
   if (!file_.is_open()) {
     file_.open(path_, std::ios::binary);
+    if (!file_) {
+      throw std::runtime_error(
+          path_ + ": cannot be written; name a file in a folder with write permission");
+    }
     fmt::print(file_, "# true poses: timestamp tx ty tz qx qy qz qw, camera-to-world, m\n");
   }
   const Eigen::Vector3d& t = world_from_cam.translation;
@@ -26,8 +32,8 @@ void TruthFile::Add(int64_t stamp_us, const SE3& world_from_cam) {
              q.w());
   file_.flush();
   if (!file_) {
-    throw std::runtime_error(path_ +
-                             ": cannot be written; name a file in a folder with write permission");
+    spdlog::warn("{}: cannot be written any more; free space", path_);
+    is_given_up_ = true;
   }
 }
 

@@ -16,12 +16,14 @@ class TruthFile {
   /// of that name is removed.
   explicit TruthFile(std::string path);
 
-  /// Throws std::runtime_error with one line naming file and remedy if it cannot be written.
+  /// Throws std::runtime_error with one line naming file and remedy if the file cannot be made. A
+  /// disk that is full later is told in the log, once: the run is worth more.
   void Add(int64_t stamp_us, const SE3& world_from_cam);
 
  private:
   std::string path_;
   std::ofstream file_;
+  bool is_given_up_ = false;  ///< the disk is full
 };
 
 }  // namespace vpslam

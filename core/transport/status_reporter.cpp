@@ -1,6 +1,7 @@
 #include "core/transport/status_reporter.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -74,6 +75,16 @@ void StatusReporter::SetQueued(int64_t count) {
   status_.queued = count;
 }
 
+Bus::Registration StatusReporter::WatchQueue(std::function<int64_t()> count) {
+  const std::lock_guard lock(mutex_);
+  queued_ = std::move(count);
+  return Bus::Registration([this] {
+    const std::lock_guard cancel_lock(mutex_);
+    status_.queued = queued_();
+    queued_ = nullptr;
+  });
+}
+
 ProcessStatus StatusReporter::Snapshot() const {
   const std::lock_guard lock(mutex_);
   return SnapshotLocked();
@@ -97,6 +108,7 @@ void StatusReporter::PublishLocked() {
 
 ProcessStatus StatusReporter::SnapshotLocked() const {
   ProcessStatus status = status_;
+  if (queued_) status.queued = queued_();
   const BusCounters& counters = bus_.counters();
   status.dropped = counters.dropped;
   status.gaps = counters.gaps;

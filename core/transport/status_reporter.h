@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -21,6 +22,8 @@ class StatusReporter {
   void SetState(ProcessState state, const std::string& message = "");
   void AddProcessed(int64_t count = 1);
   void SetQueued(int64_t count);
+  /// `count` is asked whenever the status is told, instead, as long as the registration lives.
+  [[nodiscard]] Bus::Registration WatchQueue(std::function<int64_t()> count);
   /// As it would be published now.
   ProcessStatus Snapshot() const;
 
@@ -33,6 +36,7 @@ class StatusReporter {
   mutable std::mutex mutex_;
   Publisher<ProcessStatus> publisher_;
   ProcessStatus status_;
+  std::function<int64_t()> queued_;  ///< may be empty
   std::chrono::steady_clock::time_point last_published_;
   std::chrono::steady_clock::time_point last_rated_ = std::chrono::steady_clock::now();
   int64_t processed_at_last_ = 0;  // rating

@@ -88,9 +88,10 @@ def run_graph(args):
     url = args.url or multicast.free_url()
     if url.startswith("udpm"):
         multicast.ensure_multicast()
+    refuse_port_in_use(url)
     out = pathlib.Path(args.out).resolve() if args.out else make_default_out(args.sequence)
     logs = out / "logs"
-    refuse_what_is_in_use(args, url, out)
+    refuse_folder_in_use(args, out)
     try:
         logs.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -110,12 +111,17 @@ def run_graph(args):
     return conclude(supervisor, args, out, progress)
 
 
-def refuse_what_is_in_use(args, url, out):
-    """Two graphs on one port would hear each other, two in one folder overwrite each other."""
+def refuse_port_in_use(url):
+    """Two graphs on one port would hear each other."""
     for run in registry.alive_runs():
         if multicast.port(run["url"]) == multicast.port(url):
             raise UserError(f"--url {url}: a run on {run['sequence']} uses its port; name another, "
                             "or leave --url out")
+
+
+def refuse_folder_in_use(args, out):
+    """Two graphs would overwrite each other's results."""
+    for run in registry.alive_runs():
         if run["out"] == str(out):
             raise UserError(f"{out}: a run on {run['sequence']} writes there; name another folder "
                             "with --out")

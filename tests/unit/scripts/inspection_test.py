@@ -150,6 +150,14 @@ class Replay(unittest.TestCase):
         self.assertEqual(options.detectors, 1)
         self.assertTrue(self.options("--features", channels=both).from_features)
 
+    def test_a_run_in_real_time_is_replayed_without_losses(self):
+        realtime = dict(SUMMARY["run"]["options"], pace="realtime")
+        for words, pace in (((), "lossless"), (("--pace", "realtime"), "realtime")):
+            options = replay_command.run_options(
+                replay_arguments("log.lcm", *words), pathlib.Path("log.lcm"),
+                dict(SUMMARY, run=dict(SUMMARY["run"], options=realtime)))
+            self.assertEqual(options.pace, pace)
+
     def test_a_preset_of_another_version(self):
         options = dict(SUMMARY["run"]["options"], preset="magic")
         summary = dict(SUMMARY, run=dict(SUMMARY["run"], options=options))

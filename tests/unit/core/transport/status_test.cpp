@@ -43,6 +43,15 @@ TEST(Status, TellsStateWorkAndResources) {
   EXPECT_EQ(status.message, "on its way");
   EXPECT_EQ(status.protocol_version, kProtocolVersion);
   EXPECT_GT(status.pid, 0);
+  int64_t waiting = 7;
+  {
+    const auto queue = reporter.WatchQueue([&waiting] { return waiting; });
+    waiting = 8;
+    EXPECT_EQ(reporter.Snapshot().queued, 8);
+    waiting = 3;
+  }
+  waiting = 9;
+  EXPECT_EQ(reporter.Snapshot().queued, 3);
   EXPECT_GT(status.cpu_s, 0);
   EXPECT_GT(status.rss_peak_mb, 1);
   EXPECT_LT(status.rss_peak_mb, 10000);
