@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kProgressInterval{200};
 /// What comes meanwhile is taken together: nobody waits for it, and each awakening costs.
-constexpr milliseconds kRest{10};
+constexpr milliseconds kRest{50};
 /// A request for a snapshot is repeated when nothing fitting came for so long.
 constexpr milliseconds kAskAgainAfter{1000};
 /// The last statuses, with what each process used in all, follow closely upon the streams' ends.
