@@ -1,5 +1,6 @@
 """What `vpslam run` has to know of the player's sources; their formats are the player's matter."""
 
+import os
 import pathlib
 import re
 
@@ -39,12 +40,12 @@ def published_camera(sequence):
     folder = pathlib.Path(sequence)
     if NOT_A_PATH.match(sequence) or (folder / "camera.yaml").exists():
         return None
-    freiburg = re.search(r"freiburg([123])", folder.resolve().name)
+    freiburg = re.search(r"freiburg([123])", os.path.basename(os.path.abspath(folder)))
     return str(paths.CONFIG / "cameras" / f"tum{freiburg.group(1)}.yaml") if freiburg else None
 
 
 def short_name(sequence):
     """For a results folder."""
     if not NOT_A_PATH.match(sequence):
-        sequence = pathlib.Path(sequence).resolve().name
+        sequence = os.path.basename(os.path.abspath(sequence))
     return re.sub(r"[^\w.]+", "-", sequence).strip("-") or "run"

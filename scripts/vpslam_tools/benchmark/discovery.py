@@ -1,5 +1,6 @@
 """Which sequences are there: those of the catalogue, and any further ones below the same folder."""
 
+import os
 import pathlib
 from dataclasses import dataclass
 
@@ -37,7 +38,7 @@ def discover(catalogue, data):
         raise UserError(f"{data}: no such folder; name one with --data, or fill it with "
                         "scripts/fetch-datasets")
     if is_sequence(data):
-        name = data.resolve().name
+        name = os.path.basename(os.path.abspath(data))  # of a link: its own
         known = [each for each in catalogue if pathlib.Path(each.folder).name == name]
         return [_found(known[0] if known else Sequence(name, name), data)], []
     found = [_found(each, data / each.folder) for each in catalogue
@@ -55,4 +56,4 @@ def simulated(catalogue):
 
 
 def _found(sequence, folder):
-    return Found(sequence, str(folder.resolve()), count_frames(folder))
+    return Found(sequence, os.path.abspath(folder), count_frames(folder))
