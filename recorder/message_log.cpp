@@ -33,8 +33,6 @@ constexpr const char* kName = "recorder";
 constexpr std::chrono::seconds kAskForCameraEvery{1};
 /// What nobody waits for is written together: each awakening costs more than what it writes.
 constexpr std::chrono::milliseconds kWriteEvery{20};
-/// Messages that a writer waits for; more than windows hold come from writers that do not wait.
-constexpr int kMaxAwaited = 256;
 
 using Bytes = std::vector<uint8_t>;
 
@@ -98,6 +96,10 @@ class MessageLog::Impl {
     const std::lock_guard lock(mutex_);
     return error_;
   }
+  int64_t left_out() const {
+    const std::lock_guard lock(mutex_);
+    return left_out_;
+  }
   std::map<std::string, Count> counts() const {
     const std::lock_guard lock(mutex_);
     return counts_;
@@ -135,10 +137,18 @@ class MessageLog::Impl {
     const bool is_awaited = static_cast<bool>(entry.done);
     {
       const std::lock_guard lock(mutex_);
-      // In real time a disk that is too slow misses messages, which the counts show.
-      if (closing_ || (is_awaited && awaited_ >= kMaxAwaited)) return;
+      if (closing_) return;
+      waiting_bytes_ += entry.bytes.size();
+      is_awaited_ |= is_awaited;
+      // In real time nobody waits for a disk that is too slow. Without its content a message is
+      // left out, but still said to be done with.
+      if (waiting_bytes_ > options_.max_waiting_bytes) {
+        waiting_bytes_ -= entry.bytes.size();
+        entry.bytes = {};
+        entry.image.reset();
+        ++left_out_;
+      }
       queue_.push_back(std::move(entry));
-      awaited_ += is_awaited;
     }
     if (is_awaited) changed_.notify_all();
   }
@@ -156,9 +166,10 @@ class MessageLog::Impl {
     std::deque<Entry> before_camera, taken;
     std::unique_lock lock(mutex_);
     while (!closing_ || !queue_.empty()) {
-      changed_.wait_for(lock, kWriteEvery, [this] { return closing_ || awaited_ > 0; });
+      changed_.wait_for(lock, kWriteEvery, [this] { return closing_ || is_awaited_; });
       taken.swap(queue_);
-      awaited_ = 0;
+      is_awaited_ = false;
+      waiting_bytes_ = 0;
       lock.unlock();
       for (Entry& entry : taken) {
         if (begun_) {
@@ -195,6 +206,10 @@ class MessageLog::Impl {
 
   void Write(Entry entry) {
     if (entry.image && !Inline(&entry)) return;
+    if (entry.bytes.empty()) {  // left out
+      if (entry.done) entry.done();
+      return;
+    }
     Guard([&] { file_.Write(entry.stamp_us, entry.channel, entry.bytes); });
     if (entry.done) entry.done();
     const auto header = PeekHeader(entry.bytes);
@@ -217,6 +232,10 @@ class MessageLog::Impl {
       return true;
     }
     spdlog::warn("frame {} is missing in the log: {}", entry->image->value.frame_seq, why);
+    {
+      const std::lock_guard lock(mutex_);
+      ++left_out_;
+    }
     if (entry->done) entry->done();
     return false;
   }
@@ -248,7 +267,9 @@ class MessageLog::Impl {
   mutable std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
   std::deque<Entry> queue_;
-  int awaited_ = 0;  // in the queue
+  bool is_awaited_ = false;  // something in the queue is
+  std::size_t waiting_bytes_ = 0;
+  int64_t left_out_ = 0;
   bool closing_ = false;
   std::optional<std::string> error_;
   std::map<std::string, Count> counts_;
@@ -270,6 +291,7 @@ StreamReader<MapDelta>::Tap MessageLog::MapTap() { return impl_->Tap(kMapChannel
 bool MessageLog::StreamsEnded() const { return impl_->StreamsEnded(); }
 void MessageLog::Close() { impl_->Close(); }
 std::optional<std::string> MessageLog::error() const { return impl_->error(); }
+int64_t MessageLog::left_out() const { return impl_->left_out(); }
 std::map<std::string, MessageLog::Count> MessageLog::counts() const { return impl_->counts(); }
 const std::string& MessageLog::path() const { return impl_->path(); }
 

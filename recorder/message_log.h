@@ -2,10 +2,12 @@
 //
 // What it takes from reliable streams is complete, since their writers wait for the recorder:
 // features and images until they are in the file (so a slow disk slows the run down, and nothing
-// piles up), the others until they have come. What is sent best effort is logged as it comes, and
-// what did not come shows in the sequence numbers. The file begins with the camera and the run.
+// piles up), the others until they have come. In real time nobody waits, and a disk that is too
+// slow misses messages. What is sent best effort is logged as it comes, and what did not come shows
+// in the sequence numbers. The file begins with the camera and the run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -24,6 +26,9 @@ struct MessageLogOptions {
   std::string path;
   bool pixels = false;  ///< images, too, with their pixels inline
   RunDescription run;
+  /// Of what waits to be written. Writers that wait for the recorder stay far below; in real time
+  /// what comes beyond is left out.
+  std::size_t max_waiting_bytes = 256 << 20;
 };
 
 class MessageLog {
@@ -48,6 +53,8 @@ class MessageLog {
   void Close();
   /// What keeps it from being complete (the disk is full), one line; the run goes on without.
   std::optional<std::string> error() const;
+  /// Messages that came, but are not in the file: the disk was too slow for a run in real time.
+  int64_t left_out() const;
   /// By channel.
   std::map<std::string, Count> counts() const;
   const std::string& path() const;

@@ -42,7 +42,7 @@ nlohmann::ordered_json DescribeLog(const MessageLog& log) {
     channels[channel] = {
         {"messages", count.messages}, {"gaps", count.gaps}, {"bytes", count.bytes}};
   }
-  return {{"complete", !log.error()}, {"channels", channels}};
+  return {{"complete", !log.error() && log.left_out() == 0}, {"channels", channels}};
 }
 
 }  // namespace

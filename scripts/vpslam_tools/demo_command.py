@@ -72,6 +72,5 @@ def conclude(scene, out):
         "  scripts/vpslam run VIDEO --camera FILE.yaml      a video",
         "  scripts/vpslam run camera:0 --camera FILE.yaml   your own camera, until Ctrl-C",
         "  scripts/vpslam demo --scene sim:corridor         bare walls: hard for points",
-        "  lcm-spy                                          looks into a running graph, whose URL",
-        "                                                   `run` prints",
-        "docs/operating.md says how: the calibration FILE.yaml, lcm-spy, and much else."])
+        "  scripts/vpslam spy                               looks into a running graph, with lcm-spy",
+        "docs/operating.md says how: the calibration FILE.yaml, and much else."])

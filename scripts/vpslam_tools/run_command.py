@@ -75,7 +75,7 @@ def add_graph_arguments(parser):
 
 def run(args):
     check_input(args)
-    if args.camera is None:
+    if args.camera is None and args.source in (None, "tum"):
         args.camera = sources.published_camera(args.sequence)
     if args.detectors is None:
         args.detectors = presets.detectors(args)

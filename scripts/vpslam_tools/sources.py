@@ -35,12 +35,14 @@ def check(args):
 
 
 def published_camera(sequence):
-    """File of the calibration that TUM RGB-D publishes for the camera of this sequence, known by its
-    folder's name; None where the folder has its own, or is of another kind."""
+    """File of the calibration that TUM RGB-D publishes for the camera of this sequence, known by the
+    name of its folder or of what that links to; None where the folder has its own, or is of another
+    kind."""
     folder = pathlib.Path(sequence)
-    if NOT_A_PATH.match(sequence) or (folder / "camera.yaml").exists():
+    if not (folder / "rgb.txt").is_file() or (folder / "camera.yaml").exists():
         return None
-    freiburg = re.search(r"freiburg([123])", os.path.basename(os.path.abspath(folder)))
+    freiburg = re.search(r"freiburg([123])",
+                         f"{os.path.basename(os.path.abspath(folder))} {folder.resolve().name}")
     return str(paths.CONFIG / "cameras" / f"tum{freiburg.group(1)}.yaml") if freiburg else None
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from vpslam_tools import evaluation, frame_figure, map_figure, plots, time_figure, trajectory
 from vpslam_tools.alignment import align
 from vpslam_tools.benchmark import timing
+from vpslam_tools.errors import UserError
 
 
 def draw(results, title, folder):
@@ -21,15 +22,16 @@ def draw(results, title, folder):
     estimate = trajectory.read_trajectory(results / "trajectory.txt")
     ply_map = map_figure.read_ply(results / "map.ply")
     positions, unit = estimate.positions, "units of the map"
-    if (results / "truth.txt").exists():
+    try:
         truth = trajectory.read_trajectory(results / "truth.txt")
         written += plots.trajectory_figure(truth, {"VP-SLAM": estimate}, folder / "trajectory", title)
+    except UserError:  # there is none, or too little of it
+        written += plots.path_figure({"VP-SLAM": estimate}, folder / "trajectory", title)
+    else:
         paired, paired_truth = trajectory.associate(estimate, truth, evaluation.MAX_DIFFERENCE_S)
         similarity = align(paired.positions, paired_truth.positions, with_scale=True)
         ply_map, positions = ply_map.moved(similarity), similarity.apply(positions)
         unit = "m"
-    else:
-        written += plots.path_figure({"VP-SLAM": estimate}, folder / "trajectory", title)
     return written + map_figure.map_figure(ply_map, positions, folder / "map", title, unit)
 
 

@@ -18,7 +18,8 @@ ATE: RMSE after alignment by a similarity. Rotation: RMSE of the angle left afte
 rotation. Coverage: frames with a pose / frames. Where there are several runs: median / worst.
 \\* poses for less than 90 % of the frames: the error is that of a part.
 Other systems' figures come from real time and, where they say so, with loops closed. Lockstep waits
-for mapping after each keyframe, so it flatters.
+for mapping after each keyframe, so it flatters. Bold: the least of the paper's table and ours, in
+real time where that was run.
 """
 
 
@@ -107,6 +108,8 @@ def _text(suite, command, commits, entries, paces, missing, per_pace, per_sequen
              f"The runs took {minutes:.1f} minutes.\n"]
     if missing:
         parts.append("Missing: " + ", ".join(each.name for each in missing) + ".\n")
+    if not args.no_pictures:
+        parts.append("Runs of seed 1 have previews, for their pictures.\n")
     parts += ["## Accuracy (the paper's table I)\n", tables.accuracy(entries, paces), EXPLANATION]
     for pace, summary in per_pace.items():
         if summary["tracking"]:

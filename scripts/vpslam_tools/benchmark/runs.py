@@ -27,6 +27,7 @@ from vpslam_tools.benchmark.discovery import Found
 from vpslam_tools.errors import UserError
 
 WRONG_COMMAND_LINE = 2
+TEXTS = {".txt", ".csv", ".yaml", ".freiburg"}
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,16 @@ def programs_digest():
 
 
 def inputs_digest(command):
-    """Of the small files that `vpslam run` reads; images are taken to stay what they are."""
-    source = command[command.index("run") + 1]
-    files = [f"{source}/camera.yaml", f"{source}/rgb.txt", sources.published_camera(source) or ""]
-    files += [command[index + 1] for index, word in enumerate(command)
+    """Of the texts that a run reads: listing, calibration, truth, settings. Images are taken to stay
+    what they are."""
+    source = pathlib.Path(command[command.index("run") + 1])
+    files = sorted(path for path in source.rglob("*") if path.suffix in TEXTS)
+    files.append(source / "../../poses" / f"{source.name}.txt")  # KITTI's truth
+    files.append(pathlib.Path(sources.published_camera(str(source)) or ""))
+    files += [pathlib.Path(command[index + 1]) for index, word in enumerate(command)
               if word in ("--camera", "--config")]
     digest = hashlib.sha256()
-    for path in map(pathlib.Path, files):
+    for path in files:
         digest.update(path.read_bytes() if path.is_file() else b"")
     return digest.hexdigest()[:16]
 
@@ -82,7 +86,7 @@ def command_of(found, pace, seed, results, options):
              "--pace", pace, "--seed", str(seed)]
             + (["--camera", options.camera] if options.camera else [])
             + (["--frames", str(options.frames)] if options.frames else [])
-            + ["--preview"] * has_pictures(seed) + options.run_options)
+            + ["--preview"] * (options.pictures and has_pictures(seed)) + options.run_options)
 
 
 def run_all(found, options, out, tell):
@@ -200,8 +204,12 @@ def read_complete(results, key):
         run = json.loads((results / "bench.json").read_text())
     except (OSError, ValueError):
         return None
-    same = isinstance(run, dict) and run.get("key") == key and run.get("status") == "done"
-    return run if same and (results / "summary.json").exists() else None
+    if not isinstance(run, dict) or run.get("key") != key or run.get("status") != "done":
+        return None
+    try:
+        return dict(run, scores=scores.score(results))  # the way of scoring may have changed
+    except OSError:
+        return None
 
 
 def write_json(path, value):

@@ -45,7 +45,8 @@ def median_and_worst(figures, digits):
 
 
 def accuracy(entries, paces):
-    """entries: [(Found, {pace: scores.combine()})]. Columns of the paper only where it has figures."""
+    """entries: [(Found, {pace: scores.combine()})]. Columns of the paper only where it has figures; bold
+    is the least of these and ours, in real time where that was run."""
     with_paper = any(found.sequence.paper for found, _ in entries)
     header = ["sequence", "frames"]
     for pace in paces:
@@ -63,8 +64,8 @@ def accuracy(entries, paces):
         if with_paper:
             paper = found.sequence.paper or (None,) * 3
             row += [number(value, 3) for value in paper] + [found.sequence.elsewhere or "-"]
-            _mark_least(row, [2 + 3 * index for index in range(len(paces))]
-                        + list(range(len(row) - 1 - len(paper), len(row) - 1)))
+            ours = paces.index("realtime") if "realtime" in paces else 0
+            _mark_least(row, [2 + 3 * ours, *range(len(row) - 1 - len(paper), len(row) - 1)])
         if found.sequence.note:
             notes.append(f"{found.sequence.name}: {found.sequence.note}")
         rows.append(row)

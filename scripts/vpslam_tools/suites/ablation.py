@@ -57,7 +57,7 @@ def plan(found, args, runs):
     for seed in range(1, args.seeds + 1):
         for each in found:
             for variant, words in VARIANTS.items():
-                options = sequences.options(args, words)
+                options = sequences.options(args, words, pictures=False)
                 folder = runs.folder_of(args.out / slug(variant), each, PACE, seed)
                 jobs.append(runs.job_of(each, PACE, seed, options, folder, variant))
     return jobs

@@ -54,14 +54,15 @@ def select(found, missing, names):
     return chosen, absent
 
 
-def options(args, preset_words=None):
+def options(args, preset_words=None, pictures=True):
     """Of all runs. preset_words: instead of the preset and switches that were given."""
     forwarded = [word for name in FORWARDED if getattr(args, name) is not None
                  for word in (f"--{name}", str(getattr(args, name)))]
     forwarded += presets.words(args) if preset_words is None else preset_words
     forwarded += [word for setting in args.set for word in ("--set", setting)]
     return argparse.Namespace(seeds=args.seeds, paces=args.pace.split(","), frames=args.frames,
-                              camera=args.camera, run_options=forwarded)
+                              camera=args.camera, run_options=forwarded,
+                              pictures=pictures and not args.no_pictures)
 
 
 def add_arguments(group):

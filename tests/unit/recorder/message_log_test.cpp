@@ -136,6 +136,17 @@ TEST_P(MessageLogTest, HoldsEachMessageOfTheStreamsOnceAndInOrder) {
   EXPECT_EQ(next_features, kFrames);
 }
 
+TEST_P(MessageLogTest, WhatFindsNoRoomIsLeftOutAndCounted) {
+  MessageLogOptions options = Options(true);
+  options.max_waiting_bytes = 0;
+  MessageLog log(*bus_, options);
+  EXPECT_EQ(log.left_out(), 0);
+  Run(log);
+  ASSERT_FALSE(HasFatalFailure()) << "its writer waits for ever";
+  EXPECT_GE(log.left_out(), kFrames);
+  for (const LogEvent& event : Events()) EXPECT_NE(event.channel, kFeaturesChannel);
+}
+
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutLosses, MessageLogTest, ::testing::Values(0.0, 0.1));
 
 TEST(MessageLogFile, OneThatCannotBeWrittenIsGivenUpAndTold) {

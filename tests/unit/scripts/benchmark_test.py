@@ -118,6 +118,8 @@ class Command(BenchTest):
         # Files that are still of the same name.
         (self.folder / "data" / "car_park" / "camera.yaml").write_text("another: one\n")
         self.assertEqual(self.bench(*options, "--frames", "7")[2], 1)
+        (self.folder / "data" / "car_park" / "groundtruth.txt").write_text("0 0 0 0 0 0 0 1\n")
+        self.assertEqual(self.bench(*options, "--frames", "7")[2], 1)
         settings = self.folder / "settings.yaml"
         for text, runs_again in (("frontend: {}\n", 2), ("frontend: {}\n", 0), ("backend: {}\n", 2)):
             settings.write_text(text)
