@@ -10,11 +10,11 @@ namespace vpslam {
 
 /// Local bundle adjustment.
 struct LocalBaOptions {
-  int max_keyframes = 25;        ///< whose poses are moved: the new one and those that share most
-  int max_fixed_keyframes = 25;  ///< others that see the same points: measured from, not moved
+  int max_keyframes = 20;        ///< whose poses are moved: the new one and those that share most
+  int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
   /// Where keyframes show few points, there are more of them in either group: until the moved ones
   /// hold as many observations, which also bounds the work ...
-  int plenty_observations = 8000;
+  int plenty_observations = 6000;
   double max_growth = 4;       ///< ... but no more than so many times the numbers above
   int min_shared_points = 15;  ///< with the new keyframe, to be moved
   int max_iterations = 10;
