@@ -17,7 +17,8 @@ def add_parser(commands):
         "and lines of a log without. Preset, settings and seed are those of the recorded run; in "
         "lockstep the trajectory is the same, byte for byte.")
     parser.add_argument("log", metavar="LOG", help="log.lcm of a run, or the run's folder")
-    parser.add_argument("--pace", choices=run_command.PACES, help="default: as recorded; of a run in real time lossless")
+    parser.add_argument("--pace", choices=run_command.PACES,
+                        help="default: as recorded; of a run in real time lossless")
     parser.add_argument("--features", action="store_true",
                         help="play features and lines, even if the log has images")
     parser.add_argument("--detectors", type=run_command.at_least(0), metavar="N",

@@ -32,7 +32,8 @@ def add_parser(commands):
         "dropped, sequence numbers that never came, messages refused and sent again, CPU time and "
         "peak memory.")
     parser.add_argument("--url", metavar="URL", help="of the graph; default: that of the only run")
-    parser.add_argument("--watch", action="store_true", help="again every second, until the graph ends")
+    parser.add_argument("--watch", action="store_true",
+                        help="again every second, until the graph ends")
     parser.add_argument("--json", action="store_true", help="for programs: a line per process")
     parser.set_defaults(function=show)
 
