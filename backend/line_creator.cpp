@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "backend/line_view.h"
 #include "backend/point_creator.h"
+#include "core/estimation/point_residual.h"
 #include "core/features/line_matcher.h"
 #include "core/geometry/sphere.h"
 #include "core/map/line_view.h"
@@ -63,8 +65,8 @@ class Creator {
   struct Candidate {
     int32_t segment = -1;
     int distance = 257;
-    MapLine line;
-    bool has_direction = false;  ///< by vanishing points
+    std::optional<MapLine> line;  ///< none where it is too far away to be placed
+    bool has_direction = false;   ///< by vanishing points
   };
 
   View MakeView(KeyframeId id) const {
@@ -82,16 +84,38 @@ class Creator {
       if (distance > options_.max_distance || distance >= runner_up.distance) continue;
       bool has_direction = false;
       const std::optional<MapLine> line = Triangulate(first, a, second, b, &has_direction);
-      if (!line) continue;
-      Candidate candidate{static_cast<int32_t>(j), distance, *line, has_direction};
+      if (!line && !MayBeFar(first, a, second, b)) continue;
+      Candidate candidate{static_cast<int32_t>(j), distance, line, has_direction};
       if (candidate.distance < best.distance) std::swap(candidate, best);
       if (candidate.distance < runner_up.distance) runner_up = candidate;
     }
-    if (best.segment < 0 || best.distance > options_.ratio * runner_up.distance) {
-      return std::nullopt;
-    }
-    best.line.descriptor = a.descriptor;
+    if (!best.line || best.distance > options_.ratio * runner_up.distance) return std::nullopt;
+    best.line->descriptor = a.descriptor;
     return Establish(first, segment, second, best);
+  }
+
+  /// Whether the two segments show one line if that is too far away for its depth to be told. Were
+  /// these not in the competition, then of a row of bars the next one, displaced by a period, would
+  /// win for lack of rivals.
+  bool MayBeFar(const View& first, const LineSegment& a, const View& second,
+                const LineSegment& b) const {
+    const LineView from = ViewSegment(a, first.cam_from_world, camera_);
+    const Eigen::Vector3d normal = ViewSegment(b, second.cam_from_world, camera_).Normal();
+    const double max_sine = std::sin(triangulation_.min_ray_plane_angle_rad);
+    ImageSegment at_infinity;
+    for (const auto& [ray, px] : {std::pair(from.start_ray, &at_infinity.start_px),
+                                  std::pair(from.end_ray, &at_infinity.end_px)}) {
+      const Eigen::Vector3d in_second = second.cam_from_world.rotation * ray;
+      if (std::abs(normal.dot(ray)) > max_sine || in_second.z() < kMinDepth) return false;
+      *px = camera_.Project(in_second);
+    }
+    return Overlaps(at_infinity, ToImageSegment(b));
+  }
+
+  bool Overlaps(const ImageSegment& predicted, const ImageSegment& seen) const {
+    const SegmentRelation relation = Relate(predicted, seen);
+    const double shorter_px = std::min(predicted.Length(), seen.Length());
+    return relation.cosine >= 0 && relation.overlap_px >= options_.min_overlap * shorter_px;
   }
 
   /// nullopt where the two segments can't be of one line.
@@ -119,13 +143,7 @@ class Creator {
       return std::nullopt;
     }
     const auto predicted = PredictSegment(line, second.cam_from_world, camera_, bounds_);
-    if (!predicted) return std::nullopt;
-    const ImageSegment seen = ToImageSegment(b);
-    const SegmentRelation relation = Relate(*predicted, seen);
-    const double shorter_px = std::min(predicted->Length(), seen.Length());
-    if (relation.cosine < 0 || relation.overlap_px < options_.min_overlap * shorter_px) {
-      return std::nullopt;
-    }
+    if (!predicted || !Overlaps(*predicted, ToImageSegment(b))) return std::nullopt;
     return line;
   }
 
@@ -159,17 +177,17 @@ class Creator {
     std::vector<std::pair<KeyframeId, int32_t>> others;
     for (const View& view : neighbours_) {
       if (view.id == second.id) continue;
-      const auto predicted = PredictSegment(candidate.line, view.cam_from_world, camera_, bounds_);
+      const auto predicted = PredictSegment(*candidate.line, view.cam_from_world, camera_, bounds_);
       if (!predicted) continue;
       const auto match =
-          BestLineInWindow(*predicted, candidate.line.descriptor, window, view.lines->lines, {});
+          BestLineInWindow(*predicted, candidate.line->descriptor, window, view.lines->lines, {});
       if (!match || !IsFree(*map_->Find(view.id), match->index)) continue;
       others.emplace_back(view.id, match->index);
     }
     if (others.empty() && !candidate.has_direction) return std::nullopt;
-    const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line.start,
-                                       candidate.line.end);
-    map_->SetAxis(id, candidate.line.axis);
+    const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line->start,
+                                       candidate.line->end);
+    map_->SetAxis(id, candidate.line->axis);
     map_->Observe(first.id, segment, id);
     map_->Observe(second.id, candidate.segment, id);
     for (const auto& [keyframe, index] : others) map_->Observe(keyframe, index, id);

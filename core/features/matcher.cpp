@@ -65,12 +65,14 @@ std::vector<Match> MatchForInitialisation(const Features& first, const Features&
     const OctaveRange octaves{octave - 1, octave + 1};
     TwoBest best;
     second_grid.ForEachInRadius(
-        predicted_px[i].x(), predicted_px[i].y(), options.window_px, octaves, [&](int j) {
-          const int d = Distance(first.descriptors[i], second.descriptors[j]);
-          // What is held by a better match is no candidate any more.
-          if (d < held_distance[j]) best.Offer(j, d);
-        });
-    if (!best.Passes(options.max_distance, options.ratio)) continue;
+        predicted_px[i].x(), predicted_px[i].y(), options.window_px, octaves,
+        [&](int j) { best.Offer(j, Distance(first.descriptors[i], second.descriptors[j])); });
+    // What is held by a better match is no candidate any more; but it is a rival all the same: of a
+    // row of bars the next one must not win because the right one is taken.
+    if (!best.Passes(options.max_distance, options.ratio) ||
+        best.distance >= held_distance[best.index]) {
+      continue;
+    }
     holder[best.index] = i;
     held_distance[best.index] = best.distance;
   }

@@ -226,6 +226,19 @@ TEST(LineCreator, LinesThatLookAlikeSideBySideAreLeftAlone) {
   EXPECT_LT(cautious, 0.5 * static_cast<double>(Create(bold, {.ratio = 100}).size()));
 }
 
+TEST(LineCreator, OfARowOfBarsTheNextOneDoesNotWin) {
+  // Too far away for its depth to be told, but the next bar in the other image makes up for that.
+  SyntheticLineMap m(15, {.num_free = 0, .noise_sigmas = 0.2}, {});
+  for (int i = 0; i < 12; ++i) {
+    const int l = m.lines.Add({-0.7 + 0.12 * i, 0, 5}, Eigen::Vector3d::UnitY(), -1);
+    if (l > 0) m.lines.lines[l].descriptor = m.lines.lines[0].descriptor;
+  }
+  for (const double x : {0.0, 0.06, 0.05}) m.AddKeyframe(PoseAt({x, 0, 0}));
+  m.map.AddPoints(0, 200);
+  ASSERT_GT(m.SeenBy(3).size(), 8u);
+  EXPECT_TRUE(Create(m).empty());
+}
+
 TEST(LineCreator, SegmentsThatHaveLinesAreLeftAlone) {
   SyntheticLineMap m(12, {}, PosesSideBySide(4));
   const std::vector<LineId> created = Create(m);

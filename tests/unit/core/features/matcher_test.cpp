@@ -125,6 +125,21 @@ TEST(MatchForInitialisation, LookAlikesAreNoMatch) {
           .empty());
 }
 
+TEST(MatchForInitialisation, WhatIsTakenIsStillARival) {
+  std::mt19937_64 rng(8);
+  const Descriptor d = RandomDescriptor(rng);
+  Features first, second;
+  first.keypoints.resize(2);
+  first.descriptors = {d, Disturbed(d, 10, rng)};
+  second.keypoints.resize(2);
+  second.descriptors = {d, Disturbed(first.descriptors[1], 11, rng)};
+  const std::vector<Eigen::Vector2f> predicted_px(2, Eigen::Vector2f::Zero());
+  const std::vector<Match> expected{{0, 0}};
+  EXPECT_EQ(MatchForInitialisation(first, second, FeatureGrid(second.keypoints, kBounds),
+                                   predicted_px, {.check_rotation = false}),
+            expected);
+}
+
 TEST(MatchForInitialisation, WhatTurnedOtherwiseIsDropped) {
   Pair pair = MakePair(300, 0, 20, 7);
   for (int i = 0; i < 300; i += 10)
