@@ -22,6 +22,7 @@
 #include "core/estimation/robust.h"
 #include "core/estimation/rotation_cost.h"
 #include "core/estimation/se3_manifold.h"
+#include "core/features/corner_accuracy.h"
 
 namespace vpslam {
 namespace {
@@ -138,7 +139,7 @@ class Adjustment {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
-      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / scales_.sigma_px(keypoint.octave));
+      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / CornerSigma_px(keypoint, scales_));
       problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position);
       used = true;
     }

@@ -67,6 +67,18 @@ const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
   return at != entries_.end() && at->second.fits ? &at->second.measurement : nullptr;
 }
 
+Eigen::Quaterniond ManhattanFrame::Judge(const Keyframe& keyframe, Entry* entry) const {
+  Rename(keyframe.cam_from_world.rotation * *frame_, &entry->measurement);
+  const Eigen::Quaterniond world = WorldFromManhattan(entry->measurement, keyframe);
+  entry->fits = AngleBetween_rad(world, *frame_) <= options_.max_innovation_deg * kRadPerDeg;
+  return world;
+}
+
+void ManhattanFrame::Expect(const Keyframe& keyframe) {
+  const auto at = entries_.find(keyframe.id);
+  if (frame_ && at != entries_.end()) Judge(keyframe, &at->second);
+}
+
 void ManhattanFrame::Update(const Map& map) {
   std::erase_if(entries_, [&map](const auto& entry) { return !map.Find(entry.first); });
   if (!frame_) TryBirth(map);
@@ -96,13 +108,9 @@ void ManhattanFrame::TryBirth(const Map& map) {
 }
 
 void ManhattanFrame::Fit(const Map& map) {
-  const double max_innovation = options_.max_innovation_deg * kRadPerDeg;
   MeanRotation mean(*frame_);
   for (auto& [id, entry] : entries_) {
-    const Keyframe& keyframe = *map.Find(id);
-    Rename(keyframe.cam_from_world.rotation * *frame_, &entry.measurement);
-    const Eigen::Quaterniond world = WorldFromManhattan(entry.measurement, keyframe);
-    entry.fits = AngleBetween_rad(world, *frame_) <= max_innovation;
+    const Eigen::Quaterniond world = Judge(*map.Find(id), &entry);
     if (entry.fits) mean.Add(world, 1.0 / entry.measurement.covariance_rad2.trace());
   }
   int latest = 0, fitting = 0;

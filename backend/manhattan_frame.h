@@ -30,6 +30,9 @@ class ManhattanFrame {
 
   /// Takes up what the lines of a keyframe say, if it is worth anything.
   void Add(KeyframeId keyframe, const LineSet& lines);
+  /// Whether the axes that a new keyframe shows bind it, at the pose that it comes with: so that
+  /// they do in its first adjustment already.
+  void Expect(const Keyframe& keyframe);
   /// Names, birth, mean and loss, with the keyframes of `map` where they are now.
   void Update(const Map& map);
   void Clear();
@@ -49,6 +52,8 @@ class ManhattanFrame {
   };
 
   void TryBirth(const Map& map);
+  /// Names and `fits`. Returns where the keyframe sees the frame.
+  Eigen::Quaterniond Judge(const Keyframe& keyframe, Entry* entry) const;
   void Fit(const Map& map);
 
   ManhattanOptions options_;

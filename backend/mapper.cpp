@@ -126,6 +126,7 @@ class Mapper::Impl {
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
+    manhattan.Expect(*map_.Find(proposal.id));
     AdjustLocally(proposal.id, camera_, scales_, store_, manhattan, options_.ba,
                   options_.ba.max_iterations, &map_, is_urgent);
     manhattan.Update(map_);

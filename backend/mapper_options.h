@@ -21,7 +21,7 @@ struct LocalBaOptions {
   int max_iterations_to_start = 30;    ///< for the two views of a new map
   int min_iterations_when_urgent = 2;  ///< when the next keyframe waits already
   double function_tolerance = 1e-4;    ///< relative decrease of the cost that ends the iteration
-  double direction_sigma_deg = 1.0;    ///< of a line about the Manhattan axis that it belongs to
+  double direction_sigma_deg = 0.5;    ///< of a line about the Manhattan axis that it belongs to
 
   template <class V>
   void Visit(V& v) {

@@ -4,6 +4,7 @@
 
 #include "core/estimation/line_residual.h"
 #include "core/estimation/point_residual.h"
+#include "core/features/corner_accuracy.h"
 #include "core/features/matcher.h"
 
 namespace vpslam {
@@ -93,8 +94,9 @@ PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vect
       continue;
     }
     const Keypoint& keypoint = frame->features.keypoints[i];
+    const double sigma_px = CornerSigma_px(keypoint, context.scales);
     measurements.points.push_back(
-        {point->position, keypoint.Position(), 1.0 / context.scales.sigma2(keypoint.octave)});
+        {point->position, keypoint.Position(), 1.0 / (sigma_px * sigma_px)});
     features->push_back(i);
   }
   for (size_t i = 0; i < frame->map_lines.size(); ++i) {

@@ -25,7 +25,7 @@ struct OrbOptions {
   double scale_factor = 1.2;   ///< between levels
   double sigma_px = 0.9;       ///< accuracy of a corner on level 0, with that of the calibration
   int fast_threshold = 20;     ///< grey levels by which a corner's arc differs from its centre
-  int fast_threshold_low = 7;  ///< the same, in cells where the first one found nothing
+  int fast_threshold_low = 5;  ///< the same, in cells where the first one found nothing
   int cell_px = 32;            ///< size of such a cell, in px of its level
   DistributionOptions distribution = {};
 

@@ -39,7 +39,7 @@ class ManhattanFrameTest : public testing::Test {
     lines.covariance_rad2 = std::pow(sigma_deg * kRadPerDeg, 2) * Eigen::Matrix3d::Identity();
     Change(&lines);
     frame_.Add(keyframe.id, lines);
-    frame_.Update(map_);
+    if (update_) frame_.Update(map_);
   }
   virtual void Change(LineSet*) {}
 
@@ -60,6 +60,7 @@ class ManhattanFrameTest : public testing::Test {
   ManhattanFrame frame_{options_};
   Map map_;
   int next_ = 0;
+  bool update_ = true;
   const Eigen::Quaterniond truth_ = ExpSo3({0.3, -0.5, 0.2});
 };
 
@@ -76,6 +77,27 @@ TEST_F(ManhattanFrameTest, IsBornWhenKeyframesAgreeAndBindsThem) {
         map_.Find(KeyframeId(i))->cam_from_world.rotation * *frame_.world_from_manhattan();
     EXPECT_LT(AngleBetween_rad(m->cam_from_manhattan, predicted), 1.5 * kRadPerDeg);
   }
+}
+
+TEST_F(ManhattanFrameTest, BindsANewKeyframeBeforeItIsAdjusted) {
+  for (int i = 0; i < options_.keyframes_to_birth; ++i) AddKeyframe(truth_, 0.2);
+  update_ = false;
+  for (const bool fits : {true, false}) {
+    AddKeyframe(fits ? truth_ : ExpSo3({0, 0.2, 0}) * truth_, 0.2);
+    const Keyframe& keyframe = *map_.Find(KeyframeId(next_ - 1));
+    EXPECT_FALSE(frame_.Find(keyframe.id));
+    frame_.Expect(keyframe);
+    const ManhattanMeasurement* m = frame_.Find(keyframe.id);
+    ASSERT_EQ(m != nullptr, fits);
+    if (!fits) continue;
+    EXPECT_LT(AngleBetween_rad(m->cam_from_manhattan,
+                               keyframe.cam_from_world.rotation * *frame_.world_from_manhattan()),
+              1.5 * kRadPerDeg);
+  }
+  Keyframe stranger = *map_.Find(KeyframeId(0));
+  stranger.id = KeyframeId(100);
+  frame_.Expect(stranger);
+  EXPECT_FALSE(frame_.Find(stranger.id));
 }
 
 TEST_F(ManhattanFrameTest, IsTheMeanOfAllKeyframes) {

@@ -286,7 +286,7 @@ TEST(OrbExtractor, WrongImagesAndOptionsAreRefused) {
   EXPECT_THROW(OrbExtractor(Camera(), {}), std::invalid_argument);
   for (const OrbOptions& options :
        {OrbOptions{.num_features = 0}, OrbOptions{.num_levels = 0}, OrbOptions{.scale_factor = 1.0},
-        OrbOptions{.fast_threshold = 0}, OrbOptions{.fast_threshold = 5},
+        OrbOptions{.fast_threshold = 0}, OrbOptions{.fast_threshold = 4},
         OrbOptions{.fast_threshold_low = 0}, OrbOptions{.cell_px = 1}}) {
     EXPECT_TRUE(options.Validate());
     EXPECT_THROW(OrbExtractor(camera, options), std::invalid_argument);
