@@ -30,8 +30,8 @@ class ManhattanFrame {
 
   /// Takes up what the lines of a keyframe say, if it is worth anything.
   void Add(KeyframeId keyframe, const LineSet& lines);
-  /// Whether the axes that a new keyframe shows bind it, at the pose that it comes with: so that
-  /// they do in its first adjustment already.
+  /// Lets the axes that a new keyframe shows bind it in its first adjustment already, if they fit
+  /// the pose that it comes with.
   void Expect(const Keyframe& keyframe);
   /// Names, birth, mean and loss, with the keyframes of `map` where they are now.
   void Update(const Map& map);
