@@ -10,7 +10,9 @@ import system
 STOPPED_S = 2.0
 # The sequence is too short for more: each case is one run.
 MIN_COVERAGE = 0.9   # of the undisturbed run's
-MAX_ATE = 1.5        # times the undisturbed run's
+# A kill falls at another frame each time: millimetres differ by chance, a bent map by centimetres.
+MAX_ATE = 1.5        # times the undisturbed run's, or
+MAX_EXTRA_ATE_M = 0.002
 
 
 class Supervision(system.SystemTest):
@@ -45,7 +47,9 @@ class Supervision(system.SystemTest):
         without = self.evaluate(self.undisturbed, system.sequence(), "--frames", rgb)
         result = self.evaluate(out, system.sequence(), "--frames", rgb)
         self.assertGreaterEqual(result["coverage"], MIN_COVERAGE * without["coverage"])
-        self.assertLessEqual(result["ate_m"]["rmse"], MAX_ATE * without["ate_m"]["rmse"])
+        ate_m = without["ate_m"]["rmse"]
+        self.assertLessEqual(result["ate_m"]["rmse"],
+                             max(MAX_ATE * ate_m, ate_m + MAX_EXTRA_ATE_M))
 
     @staticmethod
     def kill(name):
