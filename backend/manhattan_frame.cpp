@@ -58,19 +58,21 @@ void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   // Errors that images have in common come on top of each one's own.
   const Eigen::Matrix3d covariance =
       lines.covariance_rad2 + min_sigma * min_sigma * Eigen::Matrix3d::Identity();
-  entries_[keyframe] = {{lines.cam_from_manhattan, covariance}, false};
+  entries_[keyframe] = {{lines.cam_from_manhattan, covariance}};
 }
 
 const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
   if (!frame_) return nullptr;
   const auto at = entries_.find(keyframe);
-  return at != entries_.end() && at->second.fits ? &at->second.measurement : nullptr;
+  return at != entries_.end() && at->second.binds ? &at->second.measurement : nullptr;
 }
 
 Eigen::Quaterniond ManhattanFrame::Judge(const Keyframe& keyframe, Entry* entry) const {
   Rename(keyframe.cam_from_world.rotation * *frame_, &entry->measurement);
   const Eigen::Quaterniond world = WorldFromManhattan(entry->measurement, keyframe);
-  entry->fits = AngleBetween_rad(world, *frame_) <= options_.max_innovation_deg * kRadPerDeg;
+  const double innovation_rad = AngleBetween_rad(world, *frame_);
+  entry->fits = innovation_rad <= options_.max_innovation_deg * kRadPerDeg;
+  entry->binds = innovation_rad <= options_.max_correction_deg * kRadPerDeg;
   return world;
 }
 

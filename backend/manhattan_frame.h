@@ -48,11 +48,12 @@ class ManhattanFrame {
  private:
   struct Entry {
     ManhattanMeasurement measurement;
-    bool fits = false;
+    bool fits = false;   ///< belongs to the frame
+    bool binds = false;  ///< ... or may, once adjustment has undone what turned its keyframe
   };
 
   void TryBirth(const Map& map);
-  /// Names and `fits`. Returns where the keyframe sees the frame.
+  /// Names, `fits` and `binds`. Returns where the keyframe sees the frame.
   Eigen::Quaterniond Judge(const Keyframe& keyframe, Entry* entry) const;
   void Fit(const Map& map);
 

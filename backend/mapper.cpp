@@ -222,8 +222,11 @@ std::optional<std::string> MapperOptions::Validate() const {
   if (!(manhattan.min_sigma_deg > 0) || !(manhattan.max_sigma_deg > 0)) {
     return "manhattan: min_sigma_deg and max_sigma_deg must be above 0";
   }
-  if (!(manhattan.max_innovation_deg > 0 && manhattan.max_innovation_deg < 45)) {
-    return "manhattan: max_innovation_deg must lie in 0 to 45, where axes change names";
+  if (!(manhattan.max_innovation_deg > 0 && manhattan.max_correction_deg < 45)) {
+    return "manhattan: innovation and correction must lie in 0 to 45 deg, where axes change names";
+  }
+  if (manhattan.max_correction_deg < manhattan.max_innovation_deg) {
+    return "manhattan: max_correction_deg must not be less than max_innovation_deg";
   }
   return std::nullopt;
 }

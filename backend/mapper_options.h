@@ -136,12 +136,16 @@ struct CullingOptions {
 /// The Manhattan axes as seen by keyframes, and as a frame of the map.
 struct ManhattanOptions {
   bool enabled = true;         ///< hold bundle adjustment to the frame; needs detectors
-  int min_support = 5;         ///< distinct lines that at least two axes need
+  int min_support = 3;         ///< distinct lines that at least two axes need
   double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
   /// Comes on top of the measurement's own standard deviations: detectors are more certain than
   /// they are right, and err alike in images that are alike.
   double min_sigma_deg = 0.3;
-  double max_innovation_deg = 3.0;  ///< between measurement and map: beyond it is not used
+  /// Between measurement and map: beyond it the measurement says nothing of where the frame is ...
+  double max_innovation_deg = 3.0;
+  /// ... but up to this it binds its keyframe: where hardly a feature was to be seen, the keyframe
+  /// is more likely to have turned than the scene.
+  double max_correction_deg = 8.0;
   /// The frame is born when as many keyframes in a row agree ...
   int keyframes_to_birth = 5;
   double max_birth_spread_deg = 1.5;  ///< ... each with their mean within this.
@@ -155,6 +159,7 @@ struct ManhattanOptions {
     v("max_sigma_deg", max_sigma_deg);
     v("min_sigma_deg", min_sigma_deg);
     v("max_innovation_deg", max_innovation_deg);
+    v("max_correction_deg", max_correction_deg);
     v("keyframes_to_birth", keyframes_to_birth);
     v("max_birth_spread_deg", max_birth_spread_deg);
     v("loss_window", loss_window);

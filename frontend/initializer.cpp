@@ -81,12 +81,13 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
 }
 
 const TwoViewCandidate* Initializer::Decide(const TwoViewResult& result, const Frame& frame) const {
-  const bool is_clear = result.status == TwoViewStatus::kOk;
-  if (!is_clear && result.status != TwoViewStatus::kAmbiguous) return nullptr;
+  if (result.status == TwoViewStatus::kOk) return &result.candidates.front();
+  // A rival that is left alone is so because the others, one of them right, lack parallax.
+  if (result.status != TwoViewStatus::kAmbiguous || result.candidates.size() < 2) return nullptr;
   const bool has_vps = options_.vps && reference_->lines && frame.lines &&
                        IsSoundManhattan(*reference_->lines, kMinSupport, kMaxSigma_rad) &&
                        IsSoundManhattan(*frame.lines, kMinSupport, kMaxSigma_rad);
-  if (!has_vps) return is_clear ? &result.candidates.front() : nullptr;
+  if (!has_vps) return nullptr;
   // One that agrees, where no other does.
   const TwoViewCandidate* agreeing = nullptr;
   for (const TwoViewCandidate& candidate : result.candidates) {

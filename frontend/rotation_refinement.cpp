@@ -20,7 +20,7 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 }  // namespace
 
 bool PaperRotation::Refine(const LineSet& lines, Eigen::Quaterniond* cam_from_world) {
-  const auto seen = DominantDirections(lines, camera_, options_.min_support);
+  const auto seen = DominantDirections(lines, camera_, options_.min_cluster_lines);
   if (!directions_in_world_) {
     std::array<Eigen::Vector3d, 3> in_world;
     int count = 0, missing = 0;

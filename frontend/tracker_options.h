@@ -18,7 +18,8 @@ struct InitializerOptions {
   int max_frames = 60;     ///< ... and also after as many frames without success
   TwoViewOptions two_view;
   /// Where both views show the Manhattan axes well, their rotation decides between motions that the
-  /// matches leave open, and a motion that contradicts it by more than that starts no map.
+  /// matches leave open: the only one that agrees with it to so much starts the map. Against a
+  /// clear motion they have no say: where the two contradict each other, the axes are wrong.
   bool vps = true;
   double max_vp_difference_deg = 3.0;
 
@@ -104,14 +105,16 @@ enum class TranslationMode {
 
 struct VpRotationOptions {
   RotationMode mode = RotationMode::kFused;
-  int min_support = 5;              ///< lines that each of two axes needs
+  int min_cluster_lines = 5;        ///< kPaper: that eq. 2 asks for ("enough lines")
+  int min_support = 3;              ///< kFused: lines that each of two axes needs
   double max_sigma_deg = 1.0;       ///< of the measured rotation about its worst direction
   double extra_sigma_deg = 1.0;     ///< on top of what the detector says
-  double max_innovation_deg = 5.0;  ///< between measurement and pose: beyond it is not used
+  double max_innovation_deg = 8.0;  ///< between measurement and pose: beyond it is not used
 
   template <class V>
   void Visit(V& v) {
     v("mode", mode);
+    v("min_cluster_lines", min_cluster_lines);
     v("min_support", min_support);
     v("max_sigma_deg", max_sigma_deg);
     v("extra_sigma_deg", extra_sigma_deg);

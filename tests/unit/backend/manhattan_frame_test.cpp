@@ -121,6 +121,14 @@ TEST_F(ManhattanFrameTest, LeavesOutWhatDoesNotFit) {
   EXPECT_LT(Error_deg(truth_), 0.3);
 }
 
+TEST_F(ManhattanFrameTest, BindsAKeyframeThatHasTurnedButDoesNotFollowIt) {
+  for (int i = 0; i < 10; ++i) AddKeyframe(truth_, 0.1);
+  const double turn_deg = 0.5 * (options_.max_innovation_deg + options_.max_correction_deg);
+  for (int i = 0; i < 3; ++i) AddKeyframe(truth_ * ExpSo3({turn_deg * kRadPerDeg, 0, 0}), 0.1);
+  for (int i = 0; i < 13; ++i) EXPECT_TRUE(frame_.Find(KeyframeId(i))) << i;
+  EXPECT_LT(Error_deg(truth_), 0.2);
+}
+
 TEST_F(ManhattanFrameTest, IsForgottenWhenTheSceneIsAnother) {
   for (int i = 0; i < 10; ++i) AddKeyframe(truth_, 0.2);
   for (int i = 0; i < 6; ++i) AddKeyframe(truth_ * ExpSo3({0.2 + 0.1 * i, 0.3, 0}), 0.2);

@@ -18,9 +18,10 @@ class Fixture {
           const InitializerOptions& initializer = {})
       : scene(seed, options), initializer_(scene.camera, scene.scales, initializer), rng_(seed) {}
 
-  std::optional<InitialMap> Add(const SE3& pose) {
+  std::optional<InitialMap> Add(const SE3& pose, std::shared_ptr<const LineSet> lines = nullptr) {
     views.push_back(scene.Look(pose));
     Frame frame;
+    frame.lines = std::move(lines);
     frame.seq = static_cast<int64_t>(views.size()) - 1;
     frame.features = views.back().features;
     frame.grid = views.back().grid;
@@ -113,6 +114,48 @@ TEST(Initializer, PlanesStartRightOrNotAtAll) {
     }
   }
   EXPECT_GE(started, 1);
+}
+
+/// What a view shows of the axes of the world, turned by that.
+std::shared_ptr<const LineSet> Axes(const SE3& pose, const Eigen::Vector3d& turn_rad) {
+  LineSet lines;
+  lines.manhattan = ManhattanState::kThree;
+  lines.vanishing_points.resize(3);
+  for (VanishingPoint& vp : lines.vanishing_points) vp.support = 10;
+  lines.cam_from_manhattan = ExpSo3(turn_rad) * pose.rotation;
+  lines.covariance_rad2 = 1e-6 * Eigen::Matrix3d::Identity();
+  return std::make_shared<const LineSet>(lines);
+}
+
+TEST(Initializer, AxesDecideBetweenTheMotionsOfAPlane) {
+  int with = 0, without = 0;
+  for (uint64_t seed = 10; seed < 16; ++seed) {
+    for (const bool axes : {false, true}) {
+      Fixture f(seed, Fine(SyntheticShape::kSlantedPlane));
+      std::optional<InitialMap> map;
+      for (int i = 0; i < 15 && !map; ++i) {
+        const SE3 pose = PoseAt({0.08 * i, 0, 0.02 * i}, {0.002 * i, 0.003 * i, 0});
+        map = f.Add(pose, axes ? Axes(pose, Eigen::Vector3d::Zero()) : nullptr);
+      }
+      // How soon.
+      (axes ? with : without) += map ? static_cast<int>(f.views.size()) : 15;
+      SCOPED_TRACE(testing::Message()
+                   << seed << (axes ? " with axes" : " without") << " after " << f.views.size());
+      if (map) f.ExpectRight(*map, 0.2);
+    }
+  }
+  EXPECT_LT(with, without);
+}
+
+TEST(Initializer, AxesHaveNoSayAgainstAClearMotion) {
+  Fixture f(1, Fine());
+  std::optional<InitialMap> map;
+  for (int i = 0; i < 30 && !map; ++i) {
+    const SE3 pose = Sideways(0.05 * i);
+    map = f.Add(pose, Axes(pose, Eigen::Vector3d(0, 0.02 * i, 0)));
+  }
+  ASSERT_TRUE(map);
+  f.ExpectRight(*map, 0.15);
 }
 
 TEST(Initializer, TheReferenceIsRenewedWhenItIsOld) {

@@ -179,8 +179,8 @@ TEST_F(RotationRefinement, MeasuredRotationMustBeSoundAndNear) {
     return MeasureRotation(set, world_from_manhattan_, predicted, options_).has_value();
   };
   EXPECT_TRUE(at(Look(truth), 0));
-  EXPECT_TRUE(at(Look(truth), 4.9));
-  EXPECT_FALSE(at(Look(truth), 5.1));
+  EXPECT_TRUE(at(Look(truth), options_.max_innovation_deg - 0.1));
+  EXPECT_FALSE(at(Look(truth), options_.max_innovation_deg + 0.1));
   EXPECT_FALSE(at(Look(truth), 45));
   EXPECT_FALSE(at(Look(truth, 1), 0));
   LineSet vague = Look(truth);
