@@ -19,7 +19,7 @@ struct InitializerOptions {
   TwoViewOptions two_view;
   /// Where both views show the Manhattan axes well, their rotation decides between motions that the
   /// matches leave open: the only one that agrees with it to so much starts the map. Against a
-  /// clear motion they have no say: where the two contradict each other, the axes are wrong.
+  /// clear motion they have no say: see docs/method.md, "How a map starts".
   bool vps = true;
   double max_vp_difference_deg = 3.0;
 
