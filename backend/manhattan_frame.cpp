@@ -1,6 +1,8 @@
 #include "backend/manhattan_frame.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -12,6 +14,8 @@ namespace vpslam {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+/// Half of the chi-square distribution with three degrees of freedom lies below it.
+constexpr double kMedianChi2Dof3 = 2.366;
 
 Eigen::Quaterniond WorldFromManhattan(const ManhattanMeasurement& m, const Keyframe& keyframe) {
   return (keyframe.cam_from_world.rotation.conjugate() * m.cam_from_manhattan).normalized();
@@ -41,10 +45,10 @@ class MeanRotation {
 
 }  // namespace
 
-void ManhattanFrame::Clear() {
-  entries_.clear();
-  frame_.reset();
-}
+ManhattanFrame::ManhattanFrame(const ManhattanOptions& options)
+    : options_(options), extra_sigma_rad_(options.min_sigma_deg * kRadPerDeg) {}
+
+void ManhattanFrame::Clear() { *this = ManhattanFrame(options_); }
 
 void ManhattanFrame::Absorb(const ManhattanFrame& other,
                             const Eigen::Quaterniond& world_from_other_world) {
@@ -54,11 +58,8 @@ void ManhattanFrame::Absorb(const ManhattanFrame& other,
 
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) return;
-  const double min_sigma = options_.min_sigma_deg * kRadPerDeg;
-  // Errors that images have in common come on top of each one's own.
-  const Eigen::Matrix3d covariance =
-      lines.covariance_rad2 + min_sigma * min_sigma * Eigen::Matrix3d::Identity();
-  entries_[keyframe] = {{lines.cam_from_manhattan, covariance}};
+  entries_[keyframe] = {{lines.cam_from_manhattan, WithExtra(lines.covariance_rad2)},
+                        lines.covariance_rad2};
 }
 
 const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
@@ -70,9 +71,9 @@ const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
 Eigen::Quaterniond ManhattanFrame::Judge(const Keyframe& keyframe, Entry* entry) const {
   Rename(keyframe.cam_from_world.rotation * *frame_, &entry->measurement);
   const Eigen::Quaterniond world = WorldFromManhattan(entry->measurement, keyframe);
-  const double innovation_rad = AngleBetween_rad(world, *frame_);
-  entry->fits = innovation_rad <= options_.max_innovation_deg * kRadPerDeg;
-  entry->binds = innovation_rad <= options_.max_correction_deg * kRadPerDeg;
+  entry->innovation_rad = AngleBetween_rad(world, *frame_);
+  entry->fits = entry->innovation_rad <= options_.max_innovation_deg * kRadPerDeg;
+  entry->binds = entry->innovation_rad <= options_.max_correction_deg * kRadPerDeg;
   return world;
 }
 
@@ -124,6 +125,24 @@ void ManhattanFrame::Fit(const Map& map) {
     Clear();
   } else {
     frame_ = mean.Get();
+    LearnExtraSigma();
+  }
+}
+
+Eigen::Matrix3d ManhattanFrame::WithExtra(const Eigen::Matrix3d& covariance_rad2) const {
+  return covariance_rad2 + extra_sigma_rad_ * extra_sigma_rad_ * Eigen::Matrix3d::Identity();
+}
+
+void ManhattanFrame::LearnExtraSigma() {
+  if (entries_.empty()) return;
+  std::vector<double> innovations_rad;
+  for (const auto& [id, entry] : entries_) innovations_rad.push_back(entry.innovation_rad);
+  const auto median = innovations_rad.begin() + std::ssize(innovations_rad) / 2;
+  std::nth_element(innovations_rad.begin(), median, innovations_rad.end());
+  extra_sigma_rad_ =
+      std::max(options_.min_sigma_deg * kRadPerDeg, *median / std::sqrt(kMedianChi2Dof3));
+  for (auto& [id, entry] : entries_) {
+    entry.measurement.covariance_rad2 = WithExtra(entry.reported_covariance_rad2);
   }
 }
 

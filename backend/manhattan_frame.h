@@ -21,12 +21,13 @@ namespace vpslam {
 /// What a keyframe's vanishing points say, under the names that the map's frame gives the axes.
 struct ManhattanMeasurement {
   Eigen::Quaterniond cam_from_manhattan = Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();  ///< of the left perturbation
+  /// Of the left perturbation, with what the map has found detectors to err beyond what they say.
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();
 };
 
 class ManhattanFrame {
  public:
-  explicit ManhattanFrame(const ManhattanOptions& options) : options_(options) {}
+  explicit ManhattanFrame(const ManhattanOptions& options);
 
   /// Takes up what the lines of a keyframe say, if it is worth anything.
   void Add(KeyframeId keyframe, const LineSet& lines);
@@ -48,6 +49,8 @@ class ManhattanFrame {
  private:
   struct Entry {
     ManhattanMeasurement measurement;
+    Eigen::Matrix3d reported_covariance_rad2 = Eigen::Matrix3d::Identity();
+    double innovation_rad = 0;
     bool fits = false;   ///< belongs to the frame
     bool binds = false;  ///< ... or may, once adjustment has undone what turned its keyframe
   };
@@ -56,10 +59,14 @@ class ManhattanFrame {
   /// Names, `fits` and `binds`. Returns where the keyframe sees the frame.
   Eigen::Quaterniond Judge(const Keyframe& keyframe, Entry* entry) const;
   void Fit(const Map& map);
+  /// From how far measurements lie from the frame: half of them within what is to be expected.
+  void LearnExtraSigma();
+  Eigen::Matrix3d WithExtra(const Eigen::Matrix3d& covariance_rad2) const;
 
   ManhattanOptions options_;
   std::map<KeyframeId, Entry> entries_;
   std::optional<Eigen::Quaterniond> frame_;
+  double extra_sigma_rad_;  ///< about any direction, beyond what detectors say
 };
 
 }  // namespace vpslam

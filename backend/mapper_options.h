@@ -138,9 +138,10 @@ struct ManhattanOptions {
   bool enabled = true;         ///< hold bundle adjustment to the frame; needs detectors
   int min_support = 3;         ///< distinct lines that at least two axes need
   double max_sigma_deg = 1.0;  ///< of the measured rotation about its worst direction
-  /// Comes on top of the measurement's own standard deviations: detectors are more certain than
-  /// they are right, and err alike in images that are alike.
-  double min_sigma_deg = 0.3;
+  /// Least of what comes on top of the measurement's own standard deviations: detectors are more
+  /// certain than they are right, and err alike in images that are alike. How much that is, the map
+  /// learns from how far measurements lie from its frame.
+  double min_sigma_deg = 0.1;
   /// Between measurement and map: beyond it the measurement says nothing of where the frame is ...
   double max_innovation_deg = 3.0;
   /// ... but up to this it binds its keyframe: where hardly a feature was to be seen, the keyframe

@@ -157,8 +157,8 @@ struct SeamOptions {
 
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
-  double max_tracked_ratio = 0.9;  ///< of the reference keyframe's points
-  int min_frames = 1;              ///< since the last keyframe
+  double max_tracked_ratio = 0.95;  ///< of the reference keyframe's points
+  int min_frames = 1;               ///< since the last keyframe
   int min_inliers = 15;
   /// Where the backend works beside the tracker: with as many keyframes under work, further ones
   /// are left out. With tracking weak, up to max_unanswered_when_weak may be.

@@ -139,6 +139,25 @@ TEST_F(ManhattanFrameTest, IsForgottenWhenTheSceneIsAnother) {
   EXPECT_LT(Error_deg(other), 0.5);
 }
 
+class OverconfidentTest : public ManhattanFrameTest, public testing::WithParamInterface<double> {
+ protected:
+  void Change(LineSet* lines) override { lines->covariance_rad2 *= 1e-4; }
+  double Sigma_deg(int keyframe) const {
+    return std::sqrt(frame_.Find(KeyframeId(keyframe))->covariance_rad2.trace() / 3) / kRadPerDeg;
+  }
+};
+
+TEST_P(OverconfidentTest, AreBelievedAsFarAsTheyAgree) {
+  for (int i = 0; i < 100; ++i) AddKeyframe(truth_, GetParam());
+  ASSERT_TRUE(frame_.world_from_manhattan());
+  for (const int i : {0, 50, 99}) {
+    if (!frame_.Find(KeyframeId(i))) continue;
+    EXPECT_NEAR(Sigma_deg(i), std::max(GetParam(), options_.min_sigma_deg), 0.25 * GetParam());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Errors, OverconfidentTest, testing::Values(0.01, 0.3, 0.8));
+
 class PoorlySeenTest : public ManhattanFrameTest, public testing::WithParamInterface<int> {
  protected:
   void Change(LineSet* lines) override {

@@ -172,7 +172,8 @@ TEST(IsKeyframe, KeyframesAreThinnedOutWhileTheBackendIsBusy) {
     const MapPoint* point = s.map.map.Find(id);
     sure += point && point->observations.size() >= 3;
   }
-  const KeyframePolicyOptions options{.max_unanswered = 2,
+  const KeyframePolicyOptions options{.max_tracked_ratio = 0.9,
+                                      .max_unanswered = 2,
                                       .max_unanswered_when_weak = 3,
                                       .weak_tracked_ratio = 0.5,
                                       .weak_support = 0};
@@ -209,11 +210,12 @@ TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
   TrackingScene s(9, {}, 2);
   int two = 0;
   for (const PointId id : s.map.map.Find(KeyframeId(0))->points) two += id.IsValid();
+  const KeyframePolicyOptions options{.max_tracked_ratio = 0.9};
   Frame frame;
   frame.inliers = static_cast<int>(0.9 * two) - 1;
-  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
+  EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, options));
   frame.inliers += 2;
-  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, {}));
+  EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, options));
 }
 
 }  // namespace
