@@ -151,7 +151,7 @@ TEST_P(OverconfidentTest, AreBelievedAsFarAsTheyAgree) {
   for (int i = 0; i < 100; ++i) AddKeyframe(truth_, GetParam());
   ASSERT_TRUE(frame_.world_from_manhattan());
   for (const int i : {0, 50, 99}) {
-    if (!frame_.Find(KeyframeId(i))) continue;
+    ASSERT_TRUE(frame_.Find(KeyframeId(i))) << i;
     EXPECT_NEAR(Sigma_deg(i), std::max(GetParam(), options_.min_sigma_deg), 0.25 * GetParam());
   }
 }
