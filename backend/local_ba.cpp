@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -179,7 +180,7 @@ class Adjustment {
   /// count again.
   void AddRotation(const Keyframe& keyframe, const LineSet& lines,
                    const ManhattanFrame& manhattan) {
-    const ManhattanMeasurement* measured = manhattan.Find(keyframe.id);
+    const std::optional<ManhattanMeasurement> measured = manhattan.Find(keyframe.id);
     double* pose = poses_.at(keyframe.id);
     if (!measured || !problem_.HasParameterBlock(pose)) return;
     int labelled = 0, counted = 0;

@@ -58,14 +58,13 @@ void ManhattanFrame::Absorb(const ManhattanFrame& other,
 
 void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   if (!IsSoundManhattan(lines, options_.min_support, options_.max_sigma_deg * kRadPerDeg)) return;
-  entries_[keyframe] = {{lines.cam_from_manhattan, WithExtra(lines.covariance_rad2)},
-                        lines.covariance_rad2};
+  entries_[keyframe] = {{lines.cam_from_manhattan, lines.covariance_rad2}};
 }
 
-const ManhattanMeasurement* ManhattanFrame::Find(KeyframeId keyframe) const {
-  if (!frame_) return nullptr;
+std::optional<ManhattanMeasurement> ManhattanFrame::Find(KeyframeId keyframe) const {
   const auto at = entries_.find(keyframe);
-  return at != entries_.end() && at->second.binds ? &at->second.measurement : nullptr;
+  if (!frame_ || at == entries_.end() || !at->second.binds) return std::nullopt;
+  return WithExtra(at->second.measurement);
 }
 
 Eigen::Quaterniond ManhattanFrame::Judge(const Keyframe& keyframe, Entry* entry) const {
@@ -114,7 +113,7 @@ void ManhattanFrame::Fit(const Map& map) {
   MeanRotation mean(*frame_);
   for (auto& [id, entry] : entries_) {
     const Eigen::Quaterniond world = Judge(*map.Find(id), &entry);
-    if (entry.fits) mean.Add(world, 1.0 / entry.measurement.covariance_rad2.trace());
+    if (entry.fits) mean.Add(world, 1.0 / WithExtra(entry.measurement).covariance_rad2.trace());
   }
   int latest = 0, fitting = 0;
   for (auto at = entries_.rbegin(); at != entries_.rend() && latest < options_.loss_window; ++at) {
@@ -129,8 +128,9 @@ void ManhattanFrame::Fit(const Map& map) {
   }
 }
 
-Eigen::Matrix3d ManhattanFrame::WithExtra(const Eigen::Matrix3d& covariance_rad2) const {
-  return covariance_rad2 + extra_sigma_rad_ * extra_sigma_rad_ * Eigen::Matrix3d::Identity();
+ManhattanMeasurement ManhattanFrame::WithExtra(ManhattanMeasurement measurement) const {
+  measurement.covariance_rad2.diagonal().array() += extra_sigma_rad_ * extra_sigma_rad_;
+  return measurement;
 }
 
 void ManhattanFrame::LearnExtraSigma() {
@@ -141,9 +141,6 @@ void ManhattanFrame::LearnExtraSigma() {
   std::nth_element(innovations_rad.begin(), median, innovations_rad.end());
   extra_sigma_rad_ =
       std::max(options_.min_sigma_deg * kRadPerDeg, *median / std::sqrt(kMedianChi2Dof3));
-  for (auto& [id, entry] : entries_) {
-    entry.measurement.covariance_rad2 = WithExtra(entry.reported_covariance_rad2);
-  }
 }
 
 }  // namespace vpslam

@@ -43,13 +43,12 @@ class ManhattanFrame {
 
   /// Set while the frame exists.
   const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }
-  /// What binds this keyframe; nullptr if nothing does.
-  const ManhattanMeasurement* Find(KeyframeId keyframe) const;
+  /// What binds this keyframe, if anything does.
+  std::optional<ManhattanMeasurement> Find(KeyframeId keyframe) const;
 
  private:
   struct Entry {
-    ManhattanMeasurement measurement;
-    Eigen::Matrix3d reported_covariance_rad2 = Eigen::Matrix3d::Identity();
+    ManhattanMeasurement measurement;  ///< as reported
     double innovation_rad = 0;
     bool fits = false;   ///< belongs to the frame
     bool binds = false;  ///< ... or may, once adjustment has undone what turned its keyframe
@@ -61,7 +60,7 @@ class ManhattanFrame {
   void Fit(const Map& map);
   /// From how far measurements lie from the frame: half of them within what is to be expected.
   void LearnExtraSigma();
-  Eigen::Matrix3d WithExtra(const Eigen::Matrix3d& covariance_rad2) const;
+  ManhattanMeasurement WithExtra(ManhattanMeasurement measurement) const;
 
   ManhattanOptions options_;
   std::map<KeyframeId, Entry> entries_;

@@ -71,7 +71,7 @@ TEST_F(ManhattanFrameTest, IsBornWhenKeyframesAgreeAndBindsThem) {
   }
   ASSERT_TRUE(frame_.world_from_manhattan());
   for (int i = 0; i < options_.keyframes_to_birth; ++i) {
-    const ManhattanMeasurement* m = frame_.Find(KeyframeId(i));
+    const std::optional<ManhattanMeasurement> m = frame_.Find(KeyframeId(i));
     ASSERT_TRUE(m);
     const Eigen::Quaterniond predicted =
         map_.Find(KeyframeId(i))->cam_from_world.rotation * *frame_.world_from_manhattan();
@@ -87,8 +87,8 @@ TEST_F(ManhattanFrameTest, BindsANewKeyframeBeforeItIsAdjusted) {
     const Keyframe& keyframe = *map_.Find(KeyframeId(next_ - 1));
     EXPECT_FALSE(frame_.Find(keyframe.id));
     frame_.Expect(keyframe);
-    const ManhattanMeasurement* m = frame_.Find(keyframe.id);
-    ASSERT_EQ(m != nullptr, fits);
+    const std::optional<ManhattanMeasurement> m = frame_.Find(keyframe.id);
+    ASSERT_EQ(m.has_value(), fits);
     if (!fits) continue;
     EXPECT_LT(AngleBetween_rad(m->cam_from_manhattan,
                                keyframe.cam_from_world.rotation * *frame_.world_from_manhattan()),
