@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <Eigen/LU>
 
@@ -37,10 +38,26 @@ Candidates Collect(const Features& second, std::span<const int32_t> second_free,
 /// near[i] = 1 if candidate i lies within its gate of the line (a, b, c) with a^2 + b^2 = 1.
 VPSLAM_MULTIVERSION
 void MarkNearLine(const float* x, const float* y, const float* gate, int count, float a, float b,
-                  float c, int32_t* near) {
+                  float c, uint8_t* near) {
   for (int i = 0; i < count; ++i) {
     const float d = a * x[i] + b * y[i] + c;
     near[i] = d * d <= gate[i];
+  }
+}
+
+constexpr size_t kAtOnce = sizeof(uint64_t);
+
+/// Takes the places that are not 0, ascending. Few are, so that whole words are passed over.
+/// marks.size() is a multiple of kAtOnce.
+template <class Take>
+void ForEachMarked(const std::vector<uint8_t>& marks, const Take& take) {
+  for (size_t word = 0; word < marks.size(); word += kAtOnce) {
+    uint64_t any = 0;
+    std::memcpy(&any, &marks[word], kAtOnce);
+    if (any == 0) continue;
+    for (size_t i = word; i < word + kAtOnce; ++i) {
+      if (marks[i]) take(i);
+    }
   }
 }
 
@@ -124,7 +141,7 @@ std::vector<Match> MatchForTriangulation(const Features& first, std::span<const 
   const int count = static_cast<int>(candidates.index.size());
 
   const DepthGate depth_gate(second_from_first, camera, options);
-  std::vector<int32_t> near(count);
+  std::vector<uint8_t> near((candidates.index.size() + kAtOnce - 1) / kAtOnce * kAtOnce);
   std::vector<Rival> rivals;
   std::vector<int32_t> holder(second.size(), -1);
   std::vector<int> held_distance(second.size(), 257);
@@ -138,12 +155,11 @@ std::vector<Match> MatchForTriangulation(const Features& first, std::span<const 
                  l.x(), l.y(), l.z(), near.data());
     const Eigen::Vector3d ray = depth_gate.TurnedRay(point.Position());
     rivals.clear();
-    for (int n = 0; n < count; ++n) {
-      if (!near[n]) continue;
+    ForEachMarked(near, [&](size_t n) {
       const int32_t j = candidates.index[n];
-      if (!depth_gate.Allows(ray, second.keypoints[j].Position())) continue;
+      if (!depth_gate.Allows(ray, second.keypoints[j].Position())) return;
       rivals.push_back({j, Distance(first.descriptors[i], second.descriptors[j])});
-    }
+    });
     const auto winner = Choose(rivals, second, scales, options);
     if (!winner) continue;
     const auto [best, best_distance] = *winner;

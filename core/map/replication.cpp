@@ -152,14 +152,21 @@ std::vector<MapDelta> Map::Snapshot() const {
 template <class Id>
 void Map::ApplyObservations(KeyframeId keyframe, const std::vector<FeatureObservation<Id>>& now) {
   std::vector<Id>& slots = Slots(Mutable(keyframe), Id());
-  const std::vector<Id> before = slots;
-  for (const Id id : before) {
-    if (id.IsValid()) RemoveObservation(Mutable(id), keyframe);
-  }
-  slots.clear();
+  const auto stays = [&slots](const FeatureObservation<Id>& o) {
+    return o.feature < std::ssize(slots) && slots[o.feature] == o.landmark;
+  };
+  // Of a keyframe that only moved, all do.
+  std::vector<bool> kept(slots.size(), false);
   for (const FeatureObservation<Id>& o : now) {
-    if (o.feature >= 0 && Find(o.landmark)) Observe(keyframe, o.feature, o.landmark);
+    if (o.feature >= 0 && stays(o)) kept[o.feature] = true;
   }
+  for (size_t i = 0; i < kept.size(); ++i) {
+    if (!kept[i] && slots[i].IsValid()) RemoveObservation(Mutable(slots[i]), keyframe);
+  }
+  for (const FeatureObservation<Id>& o : now) {
+    if (o.feature >= 0 && !stays(o) && Find(o.landmark)) Observe(keyframe, o.feature, o.landmark);
+  }
+  while (!slots.empty() && !slots.back().IsValid()) slots.pop_back();
 }
 
 template <class Id>
