@@ -21,8 +21,7 @@ namespace vpslam {
 /// What a keyframe's vanishing points say, under the names that the map's frame gives the axes.
 struct ManhattanMeasurement {
   Eigen::Quaterniond cam_from_manhattan = Eigen::Quaterniond::Identity();
-  /// Of the left perturbation, with what the map has found detectors to err beyond what they say.
-  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();  ///< of the left perturbation
 };
 
 class ManhattanFrame {
@@ -43,7 +42,8 @@ class ManhattanFrame {
 
   /// Set while the frame exists.
   const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }
-  /// What binds this keyframe, if anything does.
+  /// What binds this keyframe, if anything does; its covariance holds what the map has found
+  /// detectors to err beyond what they say.
   std::optional<ManhattanMeasurement> Find(KeyframeId keyframe) const;
 
  private:
