@@ -1,6 +1,7 @@
 #include "backend/ba_window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -15,9 +16,10 @@ BaWindow ChooseBaWindow(KeyframeId id, const LocalBaOptions& options, const Map&
     for (const PointId point : map.Find(keyframe)->points) observations += point.IsValid();
   };
   const auto is_full = [&](const std::set<KeyframeId>& group, int usual) {
-    const auto size = static_cast<int>(group.size());
-    return size >= usual &&
-           (observations >= options.plenty_observations || size >= options.max_growth * usual);
+    const double mean_points = observations / static_cast<double>(window.moved.size());
+    const double growth =
+        std::pow(options.plenty_points / std::max(1.0, mean_points), options.growth_power);
+    return static_cast<double>(group.size()) >= usual * std::clamp(growth, 1.0, options.max_growth);
   };
   move(id);
   for (const auto& [other, shared] : map.Covisible(id, options.min_shared_points)) {

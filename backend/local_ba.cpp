@@ -140,7 +140,7 @@ class Adjustment {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
-      costs_.emplace_back(camera_, keypoint.Position(), 1.0 / CornerSigma_px(keypoint, scales_));
+      costs_.emplace_back(camera_, keypoint.Position(), CornerSqrtInformation(keypoint, scales_));
       problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position);
       used = true;
     }

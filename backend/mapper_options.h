@@ -12,10 +12,11 @@ namespace vpslam {
 struct LocalBaOptions {
   int max_keyframes = 20;        ///< whose poses are moved: the new one and those that share most
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
-  /// Where keyframes show few points, there are more of them in either group: until the moved ones
-  /// hold as many observations, which also bounds the work ...
-  int plenty_observations = 6000;
-  double max_growth = 4;       ///< ... but no more than so many times the numbers above
+  /// Where keyframes show fewer points than plenty, there are more of them in either group: by that
+  /// ratio to the power `growth_power`, but no more than `max_growth` times the numbers above.
+  double plenty_points = 300;
+  double growth_power = 2;
+  double max_growth = 10;
   int min_shared_points = 15;  ///< with the new keyframe, to be moved
   int max_iterations = 10;
   int max_iterations_to_start = 30;    ///< for the two views of a new map
@@ -27,7 +28,8 @@ struct LocalBaOptions {
   void Visit(V& v) {
     v("max_keyframes", max_keyframes);
     v("max_fixed_keyframes", max_fixed_keyframes);
-    v("plenty_observations", plenty_observations);
+    v("plenty_points", plenty_points);
+    v("growth_power", growth_power);
     v("max_growth", max_growth);
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
@@ -116,8 +118,8 @@ struct CullingOptions {
   int min_other_observers = 3;       ///< at a finer scale, or at most one octave coarser
   /// A keyframe with fewer points needs more other observers of each, by the same ratio to the
   /// power `scarcity_power`: where there is little to see, accuracy comes from seeing it often.
-  int plenty_points = 130;
-  double scarcity_power = 6;
+  int plenty_points = 240;
+  double scarcity_power = 10;
   double points_per_line = 4;  ///< that a line is worth
 
   template <class V>

@@ -94,9 +94,8 @@ PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vect
       continue;
     }
     const Keypoint& keypoint = frame->features.keypoints[i];
-    const double sigma_px = CornerSigma_px(keypoint, context.scales);
     measurements.points.push_back(
-        {point->position, keypoint.Position(), 1.0 / (sigma_px * sigma_px)});
+        {point->position, keypoint.Position(), CornerSqrtInformation(keypoint, context.scales)});
     features->push_back(i);
   }
   for (size_t i = 0; i < frame->map_lines.size(); ++i) {

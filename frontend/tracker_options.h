@@ -108,7 +108,7 @@ struct VpRotationOptions {
   int min_cluster_lines = 5;        ///< kPaper: that eq. 2 asks for ("enough lines")
   int min_support = 3;              ///< kFused: lines that each of two axes needs
   double max_sigma_deg = 1.0;       ///< of the measured rotation about its worst direction
-  double extra_sigma_deg = 1.0;     ///< on top of what the detector says
+  double extra_sigma_deg = 0.3;     ///< on top of what the detector says
   double max_innovation_deg = 8.0;  ///< between measurement and pose: beyond it is not used
 
   template <class V>

@@ -21,30 +21,36 @@ struct Row {
 
 class NormalEquations {
  public:
-  void Add(const Row& row, double weight) {
+  /// `weight` is the square root of the information of the row's two equations.
+  void Add(const Row& row, const Eigen::Matrix2d& weight) {
     Eigen::Matrix<double, 2, 3> a;
     a << -1, 0, row.ray.x(), 0, -1, row.ray.y();
-    const Eigen::Vector2d b = row.rotated.head<2>() - row.rotated.z() * row.ray;
-    h_ += weight * a.transpose() * a;
-    g_ += weight * a.transpose() * b;
+    a = weight * a;
+    const Eigen::Vector2d b = weight * (row.rotated.head<2>() - row.rotated.z() * row.ray);
+    h_ += a.transpose() * a;
+    g_ += a.transpose() * b;
+    ++count_;
+    rays_ += row.ray;
+    squared_rays_ += row.ray.squaredNorm();
   }
   Eigen::Vector3d Solve() const { return h_.ldlt().solve(g_); }
   /// Of the rays about their mean. Where there is none, the translation along them is open.
   double RaySpread_rad() const {
-    const double weight = h_(0, 0);
-    return std::sqrt(
-        std::max(0.0, h_(2, 2) / weight - (h_.col(2).head<2>() / weight).squaredNorm()));
+    return std::sqrt(std::max(0.0, squared_rays_ / count_ - (rays_ / count_).squaredNorm()));
   }
 
  private:
   Eigen::Matrix3d h_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g_ = Eigen::Vector3d::Zero();
+  int count_ = 0;
+  Eigen::Vector2d rays_ = Eigen::Vector2d::Zero();
+  double squared_rays_ = 0;
 };
 
-double Weight(const Row& row, const Eigen::Vector3d& t, TranslationWeights weights) {
-  if (weights == TranslationWeights::kNone) return 1;
+Eigen::Matrix2d Weight(const Row& row, const Eigen::Vector3d& t, TranslationWeights weights) {
+  if (weights == TranslationWeights::kNone) return Eigen::Matrix2d::Identity();
   const double depth = std::max(kMinDepth, row.rotated.z() + t.z());
-  return row.measurement->inv_sigma2 / (depth * depth);
+  return row.measurement->sqrt_information / depth;
 }
 
 std::vector<const Row*> Inliers(const Camera& camera, const std::vector<Row>& rows,
@@ -53,8 +59,10 @@ std::vector<const Row*> Inliers(const Camera& camera, const std::vector<Row>& ro
   for (const Row& row : rows) {
     const Eigen::Vector3d x = row.rotated + t;
     if (x.z() < kMinDepth) continue;
-    const double error2 = (camera.Project(x) - row.measurement->px).squaredNorm();
-    if (error2 * row.measurement->inv_sigma2 <= kChi2Dof2) inliers.push_back(&row);
+    const Eigen::Vector2d error_px = camera.Project(x) - row.measurement->px;
+    if ((row.measurement->sqrt_information * error_px).squaredNorm() <= kChi2Dof2) {
+      inliers.push_back(&row);
+    }
   }
   return inliers;
 }
@@ -77,8 +85,8 @@ std::optional<Eigen::Vector3d> EstimateTranslation(const Camera& camera,
   const int size = static_cast<int>(rows.size());
   for (int i = 0; i < kSamples; ++i) {
     NormalEquations sample;
-    sample.Add(rows[RandomIndex(size, rng)], 1);
-    sample.Add(rows[RandomIndex(size, rng)], 1);
+    sample.Add(rows[RandomIndex(size, rng)], Eigen::Matrix2d::Identity());
+    sample.Add(rows[RandomIndex(size, rng)], Eigen::Matrix2d::Identity());
     const Eigen::Vector3d t = sample.Solve();
     if (!t.allFinite()) continue;
     std::vector<const Row*> inliers = Inliers(camera, rows, t);

@@ -22,13 +22,13 @@ bool PointCost::Evaluate(double const* const* parameters, double* residuals,
   const Eigen::Vector3d x = rotation * point + t;
   const bool in_front = x.z() >= kMinDepth;
   if (in_front) {
-    r = inv_sigma_px_ * (camera_.Project(x) - px_);
+    r = sqrt_information_ * (camera_.Project(x) - px_);
   } else {
     r.setConstant(kBehindCameraSigmas);
   }
   if (!jacobians) return true;
   Eigen::Matrix<double, 2, 3> j = Eigen::Matrix<double, 2, 3>::Zero();
-  if (in_front) j = inv_sigma_px_ * ProjectionJacobian(camera_, x);
+  if (in_front) j = sqrt_information_ * ProjectionJacobian(camera_, x);
   if (jacobians[0]) {
     Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> pose(jacobians[0]);
     pose.leftCols<6>() = PointResidualPoseJacobian(j, x);

@@ -10,9 +10,10 @@ namespace vpslam {
 
 class PointCost final : public ceres::SizedCostFunction<2, 7, 3> {
  public:
-  /// `camera` must outlive this.
-  PointCost(const Camera& camera, const Eigen::Vector2d& px, double inv_sigma_px)
-      : camera_(camera), px_(px), inv_sigma_px_(inv_sigma_px) {}
+  /// `camera` must outlive this. `sqrt_information`: symmetric, 1 / px.
+  PointCost(const Camera& camera, const Eigen::Vector2d& px,
+            const Eigen::Matrix2d& sqrt_information)
+      : camera_(camera), px_(px), sqrt_information_(sqrt_information) {}
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
@@ -20,7 +21,7 @@ class PointCost final : public ceres::SizedCostFunction<2, 7, 3> {
  private:
   const Camera& camera_;
   Eigen::Vector2d px_;
-  double inv_sigma_px_;
+  Eigen::Matrix2d sqrt_information_;
 };
 
 }  // namespace vpslam

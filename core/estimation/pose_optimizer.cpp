@@ -1,5 +1,6 @@
 #include "core/estimation/pose_optimizer.h"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -37,8 +38,9 @@ class Solver {
     for (size_t i = 0; i < m_.points.size(); ++i) {
       const PointMeasurement& m = m_.points[i];
       const Eigen::Vector3d x = r * m.point_in_world + t;
-      const double s =
-          x.z() < kMinDepth ? kInfinity : (camera_.Project(x) - m.px).squaredNorm() * m.inv_sigma2;
+      const double s = x.z() < kMinDepth
+                           ? kInfinity
+                           : (m.sqrt_information * (camera_.Project(x) - m.px)).squaredNorm();
       estimate_.inliers[i] = s <= kChi2Dof2;
       estimate_.num_inliers += estimate_.inliers[i];
     }
@@ -54,10 +56,6 @@ class Solver {
       estimate_.line_inliers[i] = s <= kChi2Dof2;  // false for NaN
       estimate_.num_line_inliers += estimate_.line_inliers[i];
     }
-    if (m_.rotation) {
-      const Eigen::Vector3d e = RotationError();
-      estimate_.rotation_fits = e.dot(m_.rotation->information * e) <= kChi2Dof3;
-    }
   }
 
   void EstimateCovariance() {
@@ -67,10 +65,6 @@ class Solver {
   }
 
  private:
-  Eigen::Vector3d RotationError() const {
-    return LogSo3(m_.rotation->cam_from_world * estimate_.cam_from_world.rotation.conjugate());
-  }
-
   void Linearise(bool robust) {
     h_.setZero();
     b_.setZero();
@@ -81,8 +75,9 @@ class Solver {
       const PointMeasurement& m = m_.points[i];
       const Eigen::Vector3d x = r * m.point_in_world + t;
       if (x.z() < kMinDepth) continue;
-      Add(camera_.Project(x) - m.px, PointResidualPoseJacobian(ProjectionJacobian(camera_, x), x),
-          m.inv_sigma2, robust);
+      Add(m.sqrt_information * (camera_.Project(x) - m.px),
+          PointResidualPoseJacobian(m.sqrt_information * ProjectionJacobian(camera_, x), x),
+          robust);
     }
     for (size_t i = 0; i < m_.lines.size(); ++i) {
       if (!estimate_.line_inliers[i]) continue;
@@ -94,26 +89,27 @@ class Solver {
       const LineResidual residual =
           EvaluateLineResidual(camera_, normal, m.start_px, m.end_px, true);
       if (!residual.value.allFinite()) continue;
-      Add(residual.value, residual.by_normal * LineNormalPoseJacobian(normal, direction),
-          m.inv_sigma2, robust);
+      const double inv_sigma_px = std::sqrt(m.inv_sigma2);
+      Add(inv_sigma_px * residual.value,
+          inv_sigma_px * residual.by_normal * LineNormalPoseJacobian(normal, direction), robust);
     }
-    if (m_.rotation && estimate_.rotation_fits) AddRotation(robust);
+    if (m_.rotation) AddRotation();
   }
 
-  void Add(const Eigen::Vector2d& e, const Eigen::Matrix<double, 2, 6>& j, double inv_sigma2,
-           bool robust) {
-    const double s = e.squaredNorm() * inv_sigma2;
-    const double w = inv_sigma2 * (robust ? HuberWeight(s, kChi2Dof2) : 1.0);
+  /// `e` and its Jacobian are in sigmas.
+  void Add(const Eigen::Vector2d& e, const Eigen::Matrix<double, 2, 6>& j, bool robust) {
+    const double w = robust ? HuberWeight(e.squaredNorm(), kChi2Dof2) : 1.0;
     h_.noalias() += w * j.transpose() * j;
     b_.noalias() -= w * j.transpose() * e;
   }
 
-  void AddRotation(bool robust) {
-    const Eigen::Vector3d e = RotationError();
+  void AddRotation() {
+    const Eigen::Vector3d e =
+        LogSo3(m_.rotation->cam_from_world * estimate_.cam_from_world.rotation.conjugate());
     const Eigen::Matrix3d& information = m_.rotation->information;
     const double s = e.dot(information * e);
     const Eigen::Matrix3d j = -InverseRightJacobianSo3(e);
-    const double w = robust ? HuberWeight(s, kChi2Dof3) : 1.0;
+    const double w = HuberWeight(s, kChi2Dof3);
     h_.bottomRightCorner<3, 3>() += w * j.transpose() * information * j;
     b_.tail<3>() -= w * j.transpose() * information * e;
   }
@@ -136,7 +132,6 @@ PoseEstimate OptimizePose(const Camera& camera, const PoseMeasurements& measurem
   estimate.inliers.assign(num_points, enough);
   estimate.line_inliers.assign(num_lines, enough);
   if (!enough) return estimate;
-  estimate.rotation_fits = measurements.rotation.has_value();
   Solver solver(camera, measurements, &estimate);
   for (int round = 0; round < options.rounds; ++round) {
     solver.Iterate(round < 2, options.iterations_per_round);

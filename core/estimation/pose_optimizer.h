@@ -3,7 +3,8 @@
 //
 // Four rounds of up to ten iterations, as is usual since [Mur15] sec. V: in each, measurements that
 // fail the chi-square gate are left out; after each, all are judged again. The last two rounds have
-// no robust loss, since by then outliers are gone.
+// no robust loss, since by then outliers are gone. A measured rotation is never left out, and its
+// loss is robust to the end: it pulls at a pose that drifts away from it with the same force.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,8 @@ namespace vpslam {
 struct PointMeasurement {
   Eigen::Vector3d point_in_world;
   Eigen::Vector2d px;
-  double inv_sigma2 = 1;  ///< 1 / px^2, by octave
+  /// Symmetric, 1 / px: times a residual in px it gives sigmas.
+  Eigen::Matrix2d sqrt_information = Eigen::Matrix2d::Identity();
 };
 
 /// A segment that shows a line through `start_in_world` and `end_in_world`; its own ends are
@@ -62,7 +64,6 @@ struct PoseEstimate {
   std::vector<uint8_t> line_inliers;       ///< per line
   int num_inliers = 0;                     ///< points
   int num_line_inliers = 0;
-  bool rotation_fits = false;
 };
 
 /// With fewer than three points and lines the initial pose comes back, and no inlier.

@@ -28,6 +28,9 @@ struct Keypoint {
   float angle_rad = 0;  ///< orientation, in [0, 2 pi)
   float response = 0;   ///< FAST score
   int32_t octave = 0;   ///< pyramid level
+  /// 10000: known alike in all directions, 0: on a straight edge (core/features/edge_shape.h).
+  int16_t roundness_per_10000 = 10000;
+  int16_t edge_mrad = 0;  ///< direction of that edge, in [0, 1000 pi)
 
   Eigen::Vector2d Position() const { return {x_px, y_px}; }
 };

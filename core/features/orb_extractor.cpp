@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
 #include "core/features/corner_detector.h"
 #include "core/features/corner_refinement.h"
+#include "core/features/edge_shape.h"
 #include "core/features/image_pyramid.h"
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
@@ -126,6 +130,7 @@ class OrbExtractor::Impl {
                              .y_px = static_cast<float>(position->y()),
                              .response = static_cast<float>(c.score),
                              .octave = octave});
+        SetEdgeShape(EdgeShapeAt(level, c.x, c.y), c, &keypoints.back());
         return false;
       });
     }
@@ -142,6 +147,21 @@ class OrbExtractor::Impl {
     features->descriptors.insert(features->descriptors.end(), descriptors.begin(),
                                  descriptors.end());
     features->keypoints.insert(features->keypoints.end(), keypoints.begin(), keypoints.end());
+  }
+
+  void SetEdgeShape(const EdgeShape& shape, const Corner& corner, Keypoint* keypoint) const {
+    keypoint->roundness_per_10000 = static_cast<int16_t>(std::lround(1e4f * shape.roundness));
+    double edge_rad = shape.edge_rad;
+    if (camera_.HasDistortion()) {  // as it lies in the undistorted image
+      const double x = pyramid_.ToLevelZeroX(keypoint->octave, static_cast<float>(corner.x));
+      const double y = pyramid_.ToLevelZeroY(keypoint->octave, static_cast<float>(corner.y));
+      const double dx = std::cos(edge_rad), dy = std::sin(edge_rad);
+      const auto from = camera_.Undistort({x - dx, y - dy});
+      const auto to = camera_.Undistort({x + dx, y + dy});
+      if (from && to) edge_rad = std::atan2(to->y() - from->y(), to->x() - from->x());
+      if (edge_rad < 0) edge_rad += std::numbers::pi;
+    }
+    keypoint->edge_mrad = static_cast<int16_t>(std::lround(1e3 * edge_rad) % 3142);
   }
 
   Camera camera_;

@@ -7,7 +7,7 @@
 namespace vpslam {
 
 /// Changes with every incompatible change of a message or of the flow.
-inline constexpr int32_t kProtocolVersion = 2;
+inline constexpr int32_t kProtocolVersion = 3;
 
 enum class ProcessState : int32_t {
   kStarting = 0,

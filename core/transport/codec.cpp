@@ -16,7 +16,7 @@ constexpr std::size_t kOldestSeqOffset = kFingerprintBytes + 16;
 constexpr std::size_t kHeaderBytes = 33;
 constexpr std::size_t kLengthsOffset = kFingerprintBytes + kHeaderBytes;
 
-constexpr int64_t kKeypointBytes = 20;
+constexpr int64_t kKeypointBytes = 24;
 constexpr int64_t kDescriptorBytes = 32;
 constexpr int64_t kLineBytes = 53;
 constexpr int64_t kVanishingPointBytes = 60;

@@ -51,6 +51,8 @@ void CopyFeatures(const Features& from, std::vector<keypoint_t>* keypoints,
     wire.angle_rad = k.angle_rad;
     wire.response = k.response;
     wire.octave = k.octave;
+    wire.roundness_per_10000 = k.roundness_per_10000;
+    wire.edge_mrad = k.edge_mrad;
     keypoints->push_back(wire);
   }
   descriptors->reserve(from.descriptors.size());
@@ -68,6 +70,8 @@ Features ReadFeatures(const std::vector<keypoint_t>& keypoints,
     k.angle_rad = wire.angle_rad;
     k.response = wire.response;
     k.octave = wire.octave;
+    k.roundness_per_10000 = wire.roundness_per_10000;
+    k.edge_mrad = wire.edge_mrad;
     features.keypoints.push_back(k);
   }
   features.descriptors.reserve(descriptors.size());

@@ -72,6 +72,8 @@ Fault ValidateFeatures(const Features& features) {
                   "position out of range");
     check.Require(InRange(k.angle_rad, 10) && std::isfinite(k.response), "keypoint", i,
                   "angle or response out of range");
+    check.Require(k.roundness_per_10000 >= 0 && k.roundness_per_10000 <= 10000, "keypoint", i,
+                  "roundness out of range");
     check.Require(k.octave >= 0 && k.octave <= kMaxOctave, "keypoint", i, "octave out of range");
   }
   return check.fault();

@@ -39,7 +39,7 @@ TEST_F(BaWindowTest, HoldsAsManyKeyframesAsItIsTold) {
   LocalBaOptions options;
   options.max_keyframes = 3;
   options.max_fixed_keyframes = 4;
-  options.plenty_observations = 3 * kPoints;
+  options.plenty_points = kPoints;
   const BaWindow window = Choose(options);
   EXPECT_EQ(window.moved.size(), 3u);
   EXPECT_EQ(window.fixed.size(), 4u);
@@ -51,11 +51,12 @@ TEST_F(BaWindowTest, GrowsWhereKeyframesShowLittle) {
   LocalBaOptions options;
   options.max_keyframes = 3;
   options.max_fixed_keyframes = 4;
+  options.growth_power = 2;
   options.max_growth = 2;
-  options.plenty_observations = 5 * kPoints;
+  options.plenty_points = 1.25 * kPoints;  // 1.56 times 3, and times 4
   EXPECT_EQ(Choose(options).moved.size(), 5u);
-  EXPECT_EQ(Choose(options).fixed.size(), 4u) << "what is moved holds plenty";
-  options.plenty_observations = 100 * kPoints;
+  EXPECT_EQ(Choose(options).fixed.size(), 7u);
+  options.plenty_points = 100 * kPoints;
   EXPECT_EQ(Choose(options).moved.size(), 6u);
   EXPECT_EQ(Choose(options).fixed.size(), 6u) << "all that are left";
 }

@@ -65,7 +65,8 @@ class IdealFrontend {
       if (at == known.end()) continue;
       const Keypoint& k = view.features.keypoints[f];
       measurements.points.push_back(
-          {replica.Find(at->second)->position, k.Position(), 1 / scene.scales.sigma2(k.octave)});
+          {replica.Find(at->second)->position, k.Position(),
+           Eigen::Matrix2d::Identity() / scene.scales.sigma_px(k.octave)});
       features.push_back(f);
       proposal.points[f] = at->second;
       proposal.sightings.push_back({at->second, 1, 1});

@@ -49,7 +49,7 @@ class LinearTranslation : public testing::Test {
       m.point_in_world = scene.cam_from_world.Inverse() * (depth * scene.camera.Unproject(px));
       m.px = px + options.sigma_px * Eigen::Vector2d(u, v);
       if (i < options.outlier_share * options.num_points) m.px = pixel();
-      m.inv_sigma2 = options.sigma_px > 0 ? 1 / (options.sigma_px * options.sigma_px) : 1;
+      if (options.sigma_px > 0) m.sqrt_information /= options.sigma_px;
       scene.points.push_back(m);
     }
     return scene;
@@ -112,7 +112,8 @@ TEST_F(LinearTranslation, WeightedErrorsAgreeWithTheNoise) {
       a << -1, 0, x.x() / x.z(), 0, -1, x.y() / x.z();
       a.row(0) *= scene.camera.fx / x.z();
       a.row(1) *= scene.camera.fy / x.z();
-      information += a.transpose() * a * m.inv_sigma2;
+      a = m.sqrt_information * a;
+      information += a.transpose() * a;
     }
     sum += error.dot(information * error);
   }

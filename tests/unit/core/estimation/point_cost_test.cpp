@@ -28,7 +28,9 @@ TEST(PointCost, JacobiansAgreeWithNumericOnes) {
     const SE3 pose(ExpSo3(vector()), vector());
     const Eigen::Vector3d in_cam = vector() + Eigen::Vector3d(0, 0, 3);
     const Eigen::Vector3d point = pose.Inverse() * in_cam;
-    const PointCost cost(camera, {300, 200}, 0.7);
+    Eigen::Matrix2d sqrt_information;
+    sqrt_information << 0.7, 0.3, 0.3, 0.2;
+    const PointCost cost(camera, {300, 200}, sqrt_information);
     const PoseParameters x = ToParameters(pose);
     const double* parameters[] = {x.data(), point.data()};
     Eigen::Vector2d residual;
@@ -59,7 +61,7 @@ TEST(PointCost, JacobiansAgreeWithNumericOnes) {
 
 TEST(PointCost, PointBehindTheCameraIsExpensiveButNoFailure) {
   const Camera camera = TestCamera();
-  const PointCost cost(camera, {300, 200}, 1.0);
+  const PointCost cost(camera, {300, 200}, Eigen::Matrix2d::Identity());
   EXPECT_GT(Residual(cost, ToParameters(SE3()), {0, 0, -1}).norm(), 50);
 }
 

@@ -1,3 +1,4 @@
+#include <numbers>
 #include <random>
 
 #include <Eigen/Cholesky>
@@ -52,7 +53,8 @@ class PoseFromLines : public testing::Test {
     for (int i = 0; i < options.num_points; ++i) {
       const Eigen::Vector2d px = Pixel();
       const Eigen::Vector3d x = Behind(scene, px);
-      scene.measurements.points.push_back({x, px + Normal(options.sigma_px).head<2>(), inv_sigma2});
+      scene.measurements.points.push_back({x, px + Normal(options.sigma_px).head<2>(),
+                                           Eigen::Matrix2d::Identity() / options.sigma_px});
     }
     for (int i = 0; i < options.num_lines; ++i) {
       Eigen::Vector2d a = Pixel(), b = Pixel();
@@ -174,31 +176,47 @@ TEST_F(PoseFromLines, FindsThePoseAmongOutliers) {
   }
 }
 
-TEST_F(PoseFromLines, AWrongRotationIsLeftOut) {
+TEST_F(PoseFromLines, AWrongRotationPullsNoHarderTheMoreItIsWrong) {
   for (int i = 0; i < 20; ++i) {
     Scene scene = Make({.num_points = 60, .num_lines = 30, .rotation_sigma_rad = 1e-3});
     const auto optimize = [&] {
-      return OptimizePose(scene.camera, scene.measurements, scene.cam_from_world, {});
+      return OptimizePose(scene.camera, scene.measurements, scene.cam_from_world, {})
+          .cam_from_world;
     };
-    scene.measurements.rotation->cam_from_world =
-        ExpSo3({0.1, 0, 0}) * scene.cam_from_world.rotation;
-    const PoseEstimate with = optimize();
-    EXPECT_FALSE(with.rotation_fits);
+    const auto with_error = [&](double error_rad) {
+      scene.measurements.rotation->cam_from_world =
+          ExpSo3({error_rad, 0, 0}) * scene.cam_from_world.rotation;
+      return optimize();
+    };
+    const SE3 wrong = with_error(0.05), very_wrong = with_error(0.15);
     scene.measurements.rotation.reset();
-    const PoseEstimate without = optimize();
-    EXPECT_FALSE(without.rotation_fits);
-    // A point at its gate may be in or out; the rotation itself would pull by 0.006.
-    EXPECT_LT(LocalCoordinates(with.cam_from_world, without.cam_from_world).norm(), 2e-3);
+    EXPECT_LT(LocalCoordinates(wrong, optimize()).norm(), 0.01);
+    EXPECT_LT(LocalCoordinates(wrong, very_wrong).norm(), 1e-3);
   }
 }
 
-TEST_F(PoseFromLines, AMeasuredRotationThatFitsIsTaken) {
-  int fits = 0;
-  for (int i = 0; i < 100; ++i) {
-    const Scene scene = Make({.num_points = 60, .num_lines = 30, .rotation_sigma_rad = 0.01});
-    fits += OptimizePose(scene.camera, scene.measurements, scene.cam_from_world, {}).rotation_fits;
+TEST_F(PoseFromLines, AMeasuredRotationHoldsAPoseThatDrifts) {
+  // Points that say, all together, that the camera has turned by two degrees more.
+  const double turn_rad = 2 * std::numbers::pi / 180;
+  double error_rad = 0, error_without_rad = 0;
+  for (int i = 0; i < 20; ++i) {
+    Scene scene = Make({.num_points = 20, .num_lines = 0, .rotation_sigma_rad = 2e-4});
+    const SE3 turned =
+        SE3(ExpSo3({0, turn_rad, 0}), Eigen::Vector3d::Zero()) * scene.cam_from_world;
+    for (PointMeasurement& m : scene.measurements.points) {
+      m.px = scene.camera.Project(turned * m.point_in_world);
+    }
+    const auto error = [&] {
+      return AngleBetween_rad(
+          OptimizePose(scene.camera, scene.measurements, turned, {}).cam_from_world.rotation,
+          scene.cam_from_world.rotation);
+    };
+    error_rad += error() / 20;
+    scene.measurements.rotation.reset();
+    error_without_rad += error() / 20;
   }
-  EXPECT_GE(fits, 88) << "one in twenty fails the gate";
+  EXPECT_NEAR(error_without_rad, turn_rad, 1e-4);
+  EXPECT_LT(error_rad, 0.95 * turn_rad);
 }
 
 TEST_F(PoseFromLines, LinesThatCannotBeSeenAreNoInliers) {

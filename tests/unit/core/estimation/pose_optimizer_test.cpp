@@ -1,5 +1,7 @@
 #include "core/estimation/pose_optimizer.h"
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include <Eigen/Cholesky>
@@ -33,7 +35,7 @@ Scene MakeScene(std::mt19937& rng, int num_points, double sigma_px, double outli
     PointMeasurement m;
     m.point_in_world = scene.cam_from_world.Inverse() * (depth * scene.camera.Unproject(px));
     m.px = px + Eigen::Vector2d(normal(rng), normal(rng));
-    m.inv_sigma2 = 1.0 / (sigma_px * sigma_px);
+    m.sqrt_information /= sigma_px;
     const bool outlier = i < outlier_share * num_points;
     if (outlier) m.px = {320 + 300 * uniform(rng), 240 + 220 * uniform(rng)};
     scene.measurements.points.push_back(m);
@@ -65,6 +67,38 @@ TEST(PoseOptimizer, ErrorsAgreeWithTheCovariance) {
     // Mean of chi-square with six degrees of freedom; the gate at 95 % bends it slightly.
     EXPECT_NEAR(sum / kTrials, 6.0, 1.5) << (planar ? "plane" : "volume");
   }
+}
+
+TEST(PoseOptimizer, EdgesCountAcrossOnly) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> angle(0, std::numbers::pi);
+  std::normal_distribution<double> normal;
+  constexpr int kTrials = 100;
+  double aware = 0, unaware = 0, chi2 = 0;
+  for (int i = 0; i < kTrials; ++i) {
+    Scene scene = MakeScene(rng, 60, 1.0, 0.0, false);
+    for (PointMeasurement& m : scene.measurements.points) {
+      constexpr double kAlong_px = 10;
+      const double edge_rad = angle(rng);
+      const Eigen::Vector2d edge(std::cos(edge_rad), std::sin(edge_rad));
+      m.px += kAlong_px * normal(rng) * edge;
+      m.sqrt_information -= (1 - 1 / std::hypot(1, kAlong_px)) * edge * edge.transpose();
+    }
+    const SE3 initial = Retract(scene.cam_from_world, Perturbation(rng, 0.1, 0.05));
+    const PoseEstimate estimate = OptimizePose(scene.camera, scene.measurements, initial, {});
+    const Vector6d e = LocalCoordinates(estimate.cam_from_world, scene.cam_from_world);
+    chi2 += e.dot(estimate.covariance.ldlt().solve(e));
+    aware += e.squaredNorm();
+    for (PointMeasurement& m : scene.measurements.points) {
+      m.sqrt_information = Eigen::Matrix2d::Identity() / 10;
+    }
+    unaware +=
+        LocalCoordinates(OptimizePose(scene.camera, scene.measurements, initial, {}).cam_from_world,
+                         scene.cam_from_world)
+            .squaredNorm();
+  }
+  EXPECT_NEAR(chi2 / kTrials, 6.0, 1.8);
+  EXPECT_LT(std::sqrt(aware / unaware), 0.4);
 }
 
 TEST(PoseOptimizer, FindsThePoseAmongOutliers) {

@@ -248,6 +248,14 @@ TEST(OrbExtractor, KeypointsAreUndistorted) {
   for (int i = 0; i < distorted.size(); ++i) {
     const Eigen::Vector2d back = camera.Distort(undistorted.keypoints[i].Position());
     EXPECT_LT((back - distorted.keypoints[i].Position()).norm(), 1e-3);
+    const Keypoint& k = undistorted.keypoints[i];
+    const Eigen::Vector2d edge(std::cos(1e-3 * k.edge_mrad), std::sin(1e-3 * k.edge_mrad));
+    const Eigen::Vector2d as_seen =
+        camera.Distort(k.Position() + edge) - camera.Distort(k.Position() - edge);
+    EXPECT_NEAR(std::remainder(
+                    std::atan2(as_seen.y(), as_seen.x()) - 1e-3 * distorted.keypoints[i].edge_mrad,
+                    std::numbers::pi),
+                0, 0.01);
     largest_px =
         std::max(largest_px,
                  (undistorted.keypoints[i].Position() - distorted.keypoints[i].Position()).norm());

@@ -40,7 +40,8 @@ inline bool Same(const ImageMessage& a, const ImageMessage& b) {
 }
 inline bool Same(const Keypoint& a, const Keypoint& b) {
   return a.x_px == b.x_px && a.y_px == b.y_px && a.angle_rad == b.angle_rad &&
-         a.response == b.response && a.octave == b.octave;
+         a.response == b.response && a.octave == b.octave &&
+         a.roundness_per_10000 == b.roundness_per_10000 && a.edge_mrad == b.edge_mrad;
 }
 inline bool Same(const Features& a, const Features& b) {
   return Same(a.keypoints, b.keypoints) && a.descriptors == b.descriptors;

@@ -30,7 +30,8 @@ class RandomMessages {
     for (int i = 0; i < n; ++i) {
       f.keypoints.push_back({static_cast<float>(Real(-50, 700)), static_cast<float>(Real(-50, 500)),
                              static_cast<float>(Real(0, 6.28)), static_cast<float>(Real(0, 255)),
-                             Int(0, 7)});
+                             Int(0, 7), static_cast<int16_t>(Int(0, 10000)),
+                             static_cast<int16_t>(Int(0, 3141))});
       f.descriptors.push_back(Bits());
     }
     return f;
