@@ -93,6 +93,11 @@ TEST(Codec, RefusesToSendWhatNobodyWouldAccept) {
   keyframe = random.Keyframe(10);
   keyframe.features.descriptors.pop_back();
   EXPECT_THROW(Encode(header, keyframe), std::invalid_argument);
+  for (const int16_t roundness : {-1, 10001}) {
+    keyframe = random.Keyframe(10);
+    keyframe.features.keypoints[4].roundness_per_10000 = roundness;
+    EXPECT_THROW(Encode(header, keyframe), std::invalid_argument) << roundness;
+  }
   keyframe = random.Keyframe(10);
   keyframe.initial_points.back().feature_in_second = 10;
   EXPECT_THROW(Encode(header, keyframe), std::invalid_argument);
