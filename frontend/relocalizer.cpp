@@ -62,13 +62,16 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
 
 /// The pose from a few matches may be crude: look farther around first.
 bool Relocalizer::Refine(const TrackingContext& context, Frame* frame) const {
+  size_t num_visible = 0;
   for (const double radius_factor : {4.0, 1.0}) {
     const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
     std::vector<PointId> visible;
     MatchLocalMap(context, local, options_.local_map, radius_factor, frame, &visible);
     if (OptimizeFrame(context, options_.pose, frame) < options_.motion.min_inliers) return false;
+    num_visible = visible.size();
   }
-  return frame->inliers >= options_.local_map.min_inliers_after_loss;
+  return frame->inliers >= options_.local_map.min_inliers_after_loss &&
+         frame->inliers >= options_.relocalizer.min_found_share * static_cast<double>(num_visible);
 }
 
 bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,

@@ -17,6 +17,7 @@
 #include "frontend/late_tracker.h"
 #include "frontend/line_tracking.h"
 #include "frontend/local_map.h"
+#include "frontend/loss_bridge.h"
 #include "frontend/relocalizer.h"
 #include "frontend/rotation_refinement.h"
 #include "frontend/seam_finder.h"
@@ -63,6 +64,7 @@ class Tracker::Impl {
         paper_rotation_(camera_, options_.rotation),
         relocalizer_(options),
         seams_(options.seams),
+        bridge_(options.seams),
         rng_(seed) {}
 
   FrameFeatures Extract(const ImageFrame& image) {
@@ -93,6 +95,7 @@ class Tracker::Impl {
       TrackInMap(std::move(frame), &output);
     }
     for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output);
+    ProposeBridge(&output);
     return output;
   }
 
@@ -139,7 +142,9 @@ class Tracker::Impl {
 
   void Remember(const Frame& frame) {
     history_.push_back(frame);
-    if (static_cast<int>(history_.size()) > options_.max_buffered_frames) history_.pop_front();
+    if (static_cast<int>(history_.size()) <= options_.max_buffered_frames) return;
+    history_.pop_front();
+    bridge_.ForgetNearEnd();
   }
 
   void TryToStart(Frame& frame, Output* output) {
@@ -181,7 +186,8 @@ class Tracker::Impl {
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
   void PassProbation(Output* output) {
     on_probation_ = false;
-    std::vector<Frame> frames(history_.begin(), history_.end());
+    std::vector<Frame> frames = bridge_.NearEnd();
+    frames.insert(frames.end(), history_.begin(), history_.end());
     history_.clear();
     FramePose pose = ToPose(first_, TrackingState::kTracking);
     pose.live = false;
@@ -194,6 +200,7 @@ class Tracker::Impl {
   void GiveUpMap(const Frame& frame, Output* output) {
     discarded_map_ = map_id_;
     on_probation_ = false;
+    bridge_.ForgetKept();
     const std::vector<MapId> maps = map_.Maps();
     const auto other =
         std::find_if(maps.rbegin(), maps.rend(), [this](MapId id) { return id != discarded_map_; });
@@ -231,6 +238,8 @@ class Tracker::Impl {
       frames_lost_ = 0;
       initializer_.Reset();
       history_.clear();
+      if (last_) bridge_.Keep(*last_);
+      bridge_.Break();
       Remember(frame);
     }
     state_ = TrackingState::kLost;
@@ -247,6 +256,7 @@ class Tracker::Impl {
     map_id_ = map_.Find(frame.reference)->map;
     late_.Return({history_.begin(), history_.end()}, frame);
     history_.clear();
+    bridge_.ForgetNearEnd();
     initializer_.Reset();
     paper_rotation_.Reset();
   }
@@ -376,17 +386,34 @@ class Tracker::Impl {
     output->keyframes.push_back(std::move(proposal));
   }
 
-  void Accept(Frame frame) { last_ = std::move(frame); }
+  void Accept(Frame frame) {
+    if (last_) bridge_.Keep(std::move(*last_));
+    last_ = std::move(frame);
+  }
 
   // ---- Frames from before the map ----
 
   void PlaceLateFrame(Output* output) {
     if (!late_.Busy()) return;
     const std::optional<Frame> frame = late_.Step(context_);
-    if (!frame) return;
+    if (!frame || bridge_.Offer(map_, *frame)) return;
     output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
     output->poses.back().live = false;
     output->poses.back().map = map_.FindEvenCulled(frame->reference)->map;
+  }
+
+  /// Once no frame is left to be placed, and nothing else is to be worked in.
+  void ProposeBridge(Output* output) {
+    if (late_.Busy() || !output->keyframes.empty() ||
+        unanswered_ >= options_.keyframes.max_unanswered_when_weak) {
+      return;
+    }
+    const auto end = bridge_.Take(map_);
+    if (!end) return;
+    const auto& [frame, seam] = *end;
+    output->keyframes.push_back(
+        MakeProposal(frame, NextKeyframeId(), map_.FindEvenCulled(frame.reference)->map));
+    output->keyframes.back().seam = seam;
   }
 
   KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }
@@ -425,6 +452,7 @@ class Tracker::Impl {
   PaperRotation paper_rotation_;
   Relocalizer relocalizer_;
   SeamFinder seams_;
+  LossBridge bridge_;
   std::mt19937_64 rng_;
 
   TrackingState state_ = TrackingState::kInitialising;

@@ -73,6 +73,9 @@ std::vector<StampedPose> KeyframeTrajectory(const Map& map, MapId map_id) {
     if (!keyframe || keyframe->map != map_id) continue;
     poses.push_back({keyframe->stamp_us, keyframe->cam_from_world.Inverse()});
   }
+  // One that ties two maps together is of a time before those of the newer map.
+  std::sort(poses.begin(), poses.end(),
+            [](const StampedPose& a, const StampedPose& b) { return a.stamp_us < b.stamp_us; });
   return poses;
 }
 

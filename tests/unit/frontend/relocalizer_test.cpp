@@ -57,17 +57,34 @@ TEST(Relocalizer, LookingLikeItIsNotEnough) {
   EXPECT_EQ(s.NumMatched(frame), 0);
 }
 
+/// Only `num` of the features that show points of the map can be recognised.
+void HideAllBut(int num, const TrackingScene& s, Frame* frame) {
+  int kept = 0;
+  for (int f = 0; f < frame->features.size(); ++f) {
+    const bool known = std::any_of(s.map.truth.begin(), s.map.truth.end(), [&](const auto& entry) {
+      return entry.second == s.PointOf(*frame, f);
+    });
+    if (known && ++kept > num) frame->features.descriptors[f] = Descriptor{};
+  }
+  ASSERT_GT(kept, num);
+}
+
 TEST(Relocalizer, FewPointsAreNotEnough) {
   TrackingScene s(5, {});
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
-  int kept = 0;
-  for (int f = 0; f < frame.features.size(); ++f) {
-    const bool known = std::any_of(s.map.truth.begin(), s.map.truth.end(), [&](const auto& entry) {
-      return entry.second == s.PointOf(frame, f);
-    });
-    if (known && ++kept > 45) frame.features.descriptors[f] = Descriptor{};
-  }
+  HideAllBut(45, s, &frame);
   EXPECT_FALSE(Relocalize(s, 1, &frame)) << "50 are asked for";
+}
+
+TEST(Relocalizer, APlaceThatShowsLittleOfWhatIsThereIsAnother) {
+  // As where two doors look alike: enough points agree, but nearly all around them do not.
+  TrackingScene s(9, {.num_points = 2400});
+  Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
+  HideAllBut(80, s, &frame);
+  EXPECT_FALSE(Relocalize(s, 1, &frame)) << "of about 1200 points in view";
+  RelocalizerOptions options;
+  options.min_found_share = 0;
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, options));
 }
 
 TEST(Relocalizer, NotInAMapThatIsLeftOut) {

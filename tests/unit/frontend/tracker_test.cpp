@@ -1,6 +1,8 @@
 // The frontend from end to end: images of a made-up place in, poses out; the backend answers.
 #include "frontend/tracker.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/geometry/sim3.h"
@@ -168,6 +170,50 @@ TEST_F(CarriedAway, MapsThatMeetAreMerged) {
   int count = 0;
   EXPECT_LT(RmseOfAll(&count), 0.05) << "over eleven";
   EXPECT_GE(count, static_cast<int>(places.size()) - kCovered - 20);
+}
+
+/// Walks on behind `covered` blank images, never recognises a place, and starts a new map at once.
+class WalksOnBehindALoss : public ::testing::Test {
+ protected:
+  static TrackerOptions Blindfolded() {
+    TrackerOptions options;
+    options.relocalizer.max_candidates = 0;
+    options.relocalizer.frames_to_new_map = 0;
+    return options;
+  }
+  void Walk(int covered) {
+    run.Walk(0, 40);
+    for (int i = 0; i < covered; ++i) run.Track(Room().Blank());
+    run.Walk(40, 80);
+    // Frame by frame, what is owed still.
+    run.Walk(80, 100);
+  }
+  Lockstep run{Blindfolded()};
+};
+
+TEST_F(WalksOnBehindALoss, TheNewMapIsTiedToTheOldOne) {
+  Walk(2);
+  EXPECT_EQ(run.replica.Maps(), std::vector<MapId>{MapId(0)});
+  EXPECT_EQ(run.replica.num_merged(), 1);
+  const auto tie = std::find_if(run.keyframes.begin(), run.keyframes.end(),
+                                [](const auto& k) { return k.seam.map.IsValid(); });
+  ASSERT_NE(tie, run.keyframes.end());
+  EXPECT_EQ(tie->map, MapId(1));
+  EXPECT_LT(tie->frame_seq, 40) << "from before the loss";
+  EXPECT_TRUE(run.poses.at(tie->frame_seq).live) << "it had its pose";
+  run.Finish();
+  int count = 0;
+  EXPECT_LT(
+      Rmse(
+          run, [](int64_t seq) { return static_cast<int>(seq < 40 ? seq : seq - 2); }, &count),
+      0.02);
+  EXPECT_EQ(count, 100);
+}
+
+TEST_F(WalksOnBehindALoss, NotWhereTheWayBackIsBroken) {
+  Walk(4);
+  EXPECT_EQ(run.replica.Maps(), (std::vector<MapId>{MapId(0), MapId(1)}));
+  for (const KeyframeProposal& k : run.keyframes) EXPECT_FALSE(k.seam.map.IsValid());
 }
 
 TEST(Tracker, StartedAgainItTakesTheMapOver) {

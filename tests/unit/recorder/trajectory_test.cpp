@@ -152,5 +152,15 @@ TEST_F(TwoMaps, KeptKeyframesOfOneMap) {
   EXPECT_NEAR((Center(poses[1]) - Eigen::Vector3d(3, 0, 0)).norm(), 0, 1e-12);
 }
 
+TEST_F(TwoMaps, KeyframesAreInOrderOfTime) {
+  MapDelta tie = MakeDelta(2);
+  tie.keyframes = {MakeKeyframe(4, 0, 1, CamAt(1))};
+  ASSERT_TRUE(run_.Apply(tie));
+  const auto poses = KeyframeTrajectory(run_.map(), MapId(0));
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_EQ(poses[1].stamp_us, 100'000);
+  EXPECT_EQ(poses[2].stamp_us, 200'000);
+}
+
 }  // namespace
 }  // namespace vpslam
