@@ -69,10 +69,16 @@ std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
     return std::nullopt;
   }
   walk.failures = 0;
+  ++walk.frames_since_keyframe;
   walk.velocity = frame.cam_from_world * walk.last.cam_from_world.Inverse();
   walk.has_velocity = true;
   walk.last = frame;
   return frame;
+}
+
+void LateTracker::GoOnFrom(const Frame& keyframe) {
+  walks_.front().last = keyframe;
+  walks_.front().frames_since_keyframe = 0;
 }
 
 }  // namespace vpslam

@@ -30,6 +30,16 @@ class LateTracker {
   /// Works on one frame; returns it if it could be placed.
   std::optional<Frame> Step(const TrackingContext& context);
 
+  /// The frame that was placed last, as it was returned, became a keyframe: the walk goes on from
+  /// it with all that it shows then.
+  void GoOnFrom(const Frame& keyframe);
+  /// Frames that were placed since that, or since the walk began.
+  int frames_since_keyframe() const { return walks_.front().frames_since_keyframe; }
+  /// Whether that keyframe is still on its way into the map.
+  bool Waits(const Map& map) const {
+    return Busy() && walks_.front().last.reference.value >= map.keyframe_end();
+  }
+
  private:
   /// Frames still to be placed, next first, and the last that was.
   struct Walk {
@@ -38,6 +48,7 @@ class LateTracker {
     bool has_velocity = false;
     SE3 velocity;
     int failures = 0;
+    int frames_since_keyframe = 0;
   };
 
   bool Place(const TrackingContext& context, const Walk& walk, Frame* frame) const;

@@ -2,14 +2,14 @@
 //
 // A new map shows nothing of the old one as long as the camera does not come back. But the frames
 // since the loss are placed in the new map, walking backwards (late_tracker.h), and the walk may go
-// on into the last frames from before the loss: these stand in the old map already. The one of them
-// that shows most points of both makes a seam, at which the backend joins the two.
+// on into the last frames from before the loss: these stand in the old map already. As keyframes of
+// the new map they bring a seam, at which the backend joins the two as soon as enough features have
+// points in both.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/map/map.h"
@@ -31,21 +31,21 @@ class LossBridge {
   /// The map that frames were kept of since the loss, or since ever, was given up.
   void ForgetKept() { kept_.clear(); }
   /// The camera was found, or is lost for too long.
-  void ForgetNearEnd();
+  void ForgetNearEnd() { near_end_.clear(); }
 
   /// Of the near end, in order of time, to be placed in the new map: without matches.
   std::vector<Frame> NearEnd() const;
-  /// A frame that was placed late. Returns whether it is one of the near end: it was tracked when
-  /// it came, and has its pose already.
-  bool Offer(const Map& map, const Frame& placed);
-  /// The best that was offered, with matches and pose in the new map as it is now, once.
-  std::optional<std::pair<Frame, MapSeam>> Take(const Map& map);
+  /// Whether the frame is one of these: it was tracked when it came, and has its pose already.
+  bool Has(const Frame& frame) const { return Find(frame.seq) != nullptr; }
+  /// Of a frame of the near end, now that it is placed in the new map: where it stands in the old
+  /// one, and what it shows of it. None if that is little, or the maps have met.
+  std::optional<MapSeam> SeamAt(const Map& map, const Frame& placed) const;
 
  private:
+  const Frame* Find(int64_t seq) const;
+
   SeamOptions options_;
   std::deque<Frame> kept_, near_end_;
-  std::optional<Frame> best_;
-  int best_common_ = 0;
 };
 
 }  // namespace vpslam

@@ -94,8 +94,7 @@ class Tracker::Impl {
     } else {
       TrackInMap(std::move(frame), &output);
     }
-    for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output);
-    ProposeBridge(&output);
+    for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output, true);
     return output;
   }
 
@@ -104,7 +103,7 @@ class Tracker::Impl {
   Output Finish() {
     Output output;
     if (on_probation_) PassProbation(&output);
-    while (late_.Busy()) PlaceLateFrame(&output);
+    while (late_.Busy()) PlaceLateFrame(&output, false);
     return output;
   }
 
@@ -380,10 +379,15 @@ class Tracker::Impl {
     }
     sightings_.clear();
     frames_since_keyframe_ = 0;
-    frame->reference = proposal.id;
+    HangOnKeyframe(proposal.id, frame);
+    output->keyframes.push_back(std::move(proposal));
+  }
+
+  /// It is the keyframe itself.
+  static void HangOnKeyframe(KeyframeId id, Frame* frame) {
+    frame->reference = id;
     frame->cam_from_reference = SE3();
     frame->unit = 1;
-    output->keyframes.push_back(std::move(proposal));
   }
 
   void Accept(Frame frame) {
@@ -393,27 +397,31 @@ class Tracker::Impl {
 
   // ---- Frames from before the map ----
 
-  void PlaceLateFrame(Output* output) {
-    if (!late_.Busy()) return;
-    const std::optional<Frame> frame = late_.Step(context_);
-    if (!frame || bridge_.Offer(map_, *frame)) return;
+  /// Where little of the map is left to be seen, what was seen then is worked into it.
+  void PlaceLateFrame(Output* output, bool may_propose) {
+    if (!late_.Busy() || late_.Waits(map_)) return;
+    std::optional<Frame> frame = late_.Step(context_);
+    if (!frame) return;
+    const MapId map = map_.FindEvenCulled(frame->reference)->map;
+    const auto seam = bridge_.SeamAt(map_, *frame);
+    const int under_way = unanswered_ + static_cast<int>(output->keyframes.size());
+    const EarlierKeyframes earlier{late_.frames_since_keyframe(),
+                                   std::max(under_way, options_.keyframes.max_unanswered)};
+    const bool is_keyframe =
+        may_propose && earlier.frames_since >= options_.late_frames_per_keyframe &&
+        earlier.unanswered < options_.keyframes.max_unanswered_when_weak &&
+        (seam || IsKeyframe(*frame, frame->reference, earlier, map_, options_.keyframes));
+    if (is_keyframe) {
+      output->keyframes.push_back(MakeProposal(*frame, NextKeyframeId(), map));
+      if (seam) output->keyframes.back().seam = *seam;
+      HangOnKeyframe(output->keyframes.back().id, &*frame);
+      late_.GoOnFrom(*frame);
+    }
+    if (bridge_.Has(*frame)) return;
     output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
     output->poses.back().live = false;
-    output->poses.back().map = map_.FindEvenCulled(frame->reference)->map;
-  }
-
-  /// Once no frame is left to be placed, and nothing else is to be worked in.
-  void ProposeBridge(Output* output) {
-    if (late_.Busy() || !output->keyframes.empty() ||
-        unanswered_ >= options_.keyframes.max_unanswered_when_weak) {
-      return;
-    }
-    const auto end = bridge_.Take(map_);
-    if (!end) return;
-    const auto& [frame, seam] = *end;
-    output->keyframes.push_back(
-        MakeProposal(frame, NextKeyframeId(), map_.FindEvenCulled(frame.reference)->map));
-    output->keyframes.back().seam = seam;
+    output->poses.back().map = map;
+    if (is_keyframe) output->poses.back().keyframe = frame->reference;
   }
 
   KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }

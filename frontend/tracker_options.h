@@ -58,7 +58,7 @@ struct LocalMapOptions {
   double ratio = 0.8;
   double radius_px = 4.0;          ///< x scale of the octave
   double radius_frontal_px = 2.5;  ///< when seen from nearly the mean viewing direction
-  int min_inliers = 30;            ///< fewer: the frame is lost
+  int min_inliers = 40;            ///< fewer: the frame is lost
   int min_inliers_after_loss = 50;
 
   template <class V>
@@ -202,6 +202,9 @@ struct TrackerOptions {
   /// Frames kept, as features, to be placed in the map later.
   int max_buffered_frames = 300;
   int late_frames_per_frame = 2;  ///< how many of these are worked on beside each new frame
+  /// Of those that see little of the map, or tie two maps together, how many make a keyframe: one
+  /// after the other they show no parallax.
+  int late_frames_per_keyframe = 3;
 
   template <class V>
   void Visit(V& v) {
@@ -220,6 +223,7 @@ struct TrackerOptions {
     v("probation_keyframes", probation_keyframes);
     v("max_buffered_frames", max_buffered_frames);
     v("late_frames_per_frame", late_frames_per_frame);
+    v("late_frames_per_keyframe", late_frames_per_keyframe);
   }
   std::optional<std::string> Validate() const;
 };

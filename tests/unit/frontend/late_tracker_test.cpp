@@ -150,6 +150,31 @@ TEST(LateTracker, MergersOfMapsAreFollowed) {
   }
 }
 
+TEST(LateTracker, GoesOnFromAKeyframeThatItsFrameBecame) {
+  Fixture f(9);
+  f.late.Return(f.frames, f.s.TrackedFrame(PoseOf(20), 20));
+  std::vector<int64_t> placed;
+  const KeyframeId next(f.s.map.map.keyframe_end());
+  while (f.late.Busy()) {
+    auto frame = f.late.Step(f.s.context());
+    if (!frame) continue;
+    placed.push_back(frame->seq);
+    if (frame->seq != 8) continue;
+    EXPECT_EQ(f.late.frames_since_keyframe(), 12);
+    SyntheticView view = f.s.scene.Look(PoseOf(8));
+    frame->reference = next;
+    frame->cam_from_reference = SE3();
+    f.late.GoOnFrom(*frame);
+    EXPECT_EQ(f.late.frames_since_keyframe(), 0);
+    EXPECT_TRUE(f.late.Waits(f.s.map.map));
+    EXPECT_EQ(f.s.map.AddKeyframe(view), next);
+    EXPECT_FALSE(f.late.Waits(f.s.map.map));
+  }
+  std::vector<int64_t> expected;
+  for (int64_t seq = 19; seq >= 0; --seq) expected.push_back(seq);
+  EXPECT_EQ(placed, expected);
+}
+
 TEST(LateTracker, NothingToPlace) {
   Fixture f(5);
   f.late.Start({}, f.first, kSecond);
