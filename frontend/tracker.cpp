@@ -399,16 +399,18 @@ class Tracker::Impl {
 
   /// Where little of the map is left to be seen, what was seen then is worked into it.
   void PlaceLateFrame(Output* output, bool may_propose) {
-    if (!late_.Busy() || late_.Waits(map_)) return;
+    if (!late_.Busy() || (may_propose && late_.Waits(map_))) return;
     std::optional<Frame> frame = late_.Step(context_);
     if (!frame) return;
     const MapId map = map_.FindEvenCulled(frame->reference)->map;
     const auto seam = bridge_.SeamAt(map_, *frame);
     const int under_way = unanswered_ + static_cast<int>(output->keyframes.size());
+    // As if others were under way: only where tracking is weak.
     const EarlierKeyframes earlier{late_.frames_since_keyframe(),
                                    std::max(under_way, options_.keyframes.max_unanswered)};
     const bool is_keyframe =
-        may_propose && earlier.frames_since >= options_.late_frames_per_keyframe &&
+        may_propose && output->keyframes.size() < 2 &&
+        earlier.frames_since >= options_.late_frames_per_keyframe &&
         earlier.unanswered < options_.keyframes.max_unanswered_when_weak &&
         (seam || IsKeyframe(*frame, frame->reference, earlier, map_, options_.keyframes));
     if (is_keyframe) {

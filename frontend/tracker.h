@@ -30,8 +30,8 @@ class Tracker {
   struct Output {
     /// Of the image, and of earlier ones that could be placed only now (their `live` is false).
     std::vector<FramePose> poses;
-    /// At most two (a new map starts with two). In lockstep, nothing more goes into the tracker
-    /// until the map delta that answers the last of them was applied.
+    /// At most two: those that start a map, or the image and an earlier one. In lockstep, nothing
+    /// more goes into the tracker until the map delta that answers the last of them was applied.
     std::vector<KeyframeProposal> keyframes;
   };
 
