@@ -27,8 +27,8 @@ class Mapper::Impl {
         bounds_(camera.UndistortedBounds()),
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
-        probation_(options.culling),
-        line_probation_(options.lines) {}
+        live_(options),
+        late_(options) {}
 
   std::vector<MapDelta> Process(const KeyframeProposal& proposal, const IsUrgent& is_urgent) {
     Stopwatch total;
@@ -53,12 +53,31 @@ class Mapper::Impl {
   const Map& map() const { return map_; }
 
  private:
+  /// Of the landmarks from keyframes that come one after the other: those of the camera as it goes,
+  /// and those that are late. What the ones create is not out of sight because the others, which
+  /// are elsewhere, do not show it.
+  struct Probation {
+    explicit Probation(const MapperOptions& options)
+        : points(options.culling), lines(options.lines) {}
+    PointProbation points;
+    LineProbation lines;
+    int keyframes = 0;
+  };
+
+  /// Counts the keyframe.
+  Probation& ProbationOf(const KeyframeProposal& proposal) {
+    const bool is_late = proposal.frame_seq < newest_seq_;
+    newest_seq_ = std::max(newest_seq_, proposal.frame_seq);
+    Probation& probation = is_late ? late_ : live_;
+    ++probation.keyframes;
+    return probation;
+  }
+
   void Store(const KeyframeProposal& proposal) {
     KeyframeFeatures& stored = store_[proposal.id];
     stored.features = proposal.features;
     stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
     if (options_.lines.enabled) stored.lines = proposal.lines;
-    ++keyframe_count_;
     if (options_.manhattan.enabled) Manhattan(proposal.map).Add(proposal.id, proposal.lines);
   }
 
@@ -74,16 +93,18 @@ class Mapper::Impl {
   void Start(const KeyframeProposal& second) {
     Store(*first_);
     Store(second);
+    live_.keyframes += 2;
+    newest_seq_ = std::max(newest_seq_, second.frame_seq);
     for (const PointId id :
          StartMap(*first_, second, camera_, scales_, store_, options_.ba, &map_)) {
-      probation_.Add(id, keyframe_count_);
+      live_.points.Add(id, live_.keyframes);
     }
-    AddLines(second.id);
+    AddLines(second.id, &live_);
   }
 
-  void AddLines(KeyframeId keyframe) {
+  void AddLines(KeyframeId keyframe, Probation* probation) {
     for (const LineId id : CreateLines(keyframe, camera_, bounds_, store_, options_.lines, &map_)) {
-      line_probation_.Add(id, keyframe_count_);
+      probation->lines.Add(id, probation->keyframes);
     }
   }
 
@@ -110,18 +131,20 @@ class Mapper::Impl {
     times->insertion_ms = stopwatch.Lap_ms();
 
     for (const PointSighting& sighting : proposal.sightings) {
-      probation_.Count({map_.Resolve(sighting.point), sighting.visible, sighting.found});
+      const PointSighting present{map_.Resolve(sighting.point), sighting.visible, sighting.found};
+      for (Probation* each : {&live_, &late_}) each->points.Count(present);
     }
-    probation_.Cull(keyframe_count_, &map_);
-    line_probation_.Cull(keyframe_count_, &map_);
+    Probation& probation = ProbationOf(proposal);
+    probation.points.Cull(probation.keyframes, &map_);
+    probation.lines.Cull(probation.keyframes, &map_);
     times->feature_culling_ms = stopwatch.Lap_ms();
 
     for (const PointId id :
          CreatePoints(proposal.id, camera_, scales_, store_, options_.creator, &map_)) {
-      probation_.Add(id, keyframe_count_);
+      probation.points.Add(id, probation.keyframes);
     }
     FusePoints(proposal.id, camera_, bounds_, scales_, store_, options_.fuser, &map_);
-    AddLines(proposal.id);
+    AddLines(proposal.id, &probation);
     FuseLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_);
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
@@ -205,9 +228,8 @@ class Mapper::Impl {
   Map map_;
   KeyframeStore store_;
   std::map<MapId, ManhattanFrame> manhattan_;
-  PointProbation probation_;
-  LineProbation line_probation_;
-  int keyframe_count_ = 0;
+  Probation live_, late_;
+  int64_t newest_seq_ = -1;
   std::map<MapId, Merger> mergers_;  ///< by what was merged
   std::optional<KeyframeProposal> first_;
 };

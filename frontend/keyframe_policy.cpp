@@ -21,21 +21,40 @@ int TrackedLandmarks(const Map& map, KeyframeId id, size_t min_observations) {
   return count;
 }
 
-}  // namespace
+/// How a frame is tracked, beside what its reference shows.
+struct Tracking {
+  bool is_less = false;  ///< than nearly all of it
+  bool is_weak = false;
+};
 
-bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
-                const Map& map, const KeyframePolicyOptions& options) {
-  const int support = frame.Support();
-  if (earlier.frames_since < options.min_frames || support < options.min_inliers) return false;
+Tracking TrackingOf(const Frame& frame, KeyframeId reference, const Map& map,
+                    const KeyframePolicyOptions& options) {
   const MapId map_id = map.Find(reference) ? map.Find(reference)->map : MapId();
   // A young map has no point with three observations yet.
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
   const int tracked = TrackedLandmarks(map, reference, min_observations);
-  if (support >= options.max_tracked_ratio * tracked) return false;
-  const bool weak =
-      support < std::max(options.weak_tracked_ratio * tracked, 1.0 * options.weak_support);
-  return earlier.unanswered <
-         (weak ? options.max_unanswered_when_weak : std::max(1, options.max_unanswered));
+  const int support = frame.Support();
+  const bool is_less = support < options.max_tracked_ratio * tracked;
+  return {is_less, is_less && support < std::max(options.weak_tracked_ratio * tracked,
+                                                 1.0 * options.weak_support)};
+}
+
+}  // namespace
+
+bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
+                     const KeyframePolicyOptions& options) {
+  return TrackingOf(frame, reference, map, options).is_weak;
+}
+
+bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
+                const Map& map, const KeyframePolicyOptions& options) {
+  if (earlier.frames_since < options.min_frames || frame.Support() < options.min_inliers) {
+    return false;
+  }
+  const Tracking tracking = TrackingOf(frame, reference, map, options);
+  return tracking.is_less &&
+         earlier.unanswered < (tracking.is_weak ? options.max_unanswered_when_weak
+                                                : std::max(1, options.max_unanswered));
 }
 
 }  // namespace vpslam

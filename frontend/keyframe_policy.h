@@ -13,6 +13,10 @@ struct EarlierKeyframes {
   int unanswered = 0;    ///< how many the map does not have yet; 0 in lockstep
 };
 
+/// Whether the frame shows so little of the map that it is soon lost without new points.
+bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
+                     const KeyframePolicyOptions& options);
+
 /// `reference`: the keyframe that shares most points with the frame.
 bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
                 const Map& map, const KeyframePolicyOptions& options);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "frontend/line_tracking.h"
 #include "frontend/local_map.h"
 
 namespace vpslam {
@@ -49,7 +50,9 @@ bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame*
   const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
   std::vector<PointId> visible;
   MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
-  if (OptimizeFrame(context, options_.pose, frame) < options_.local_map.min_inliers) return false;
+  MatchLines(context, local.lines, options_.lines, 1.0, frame);
+  OptimizeFrame(context, options_.pose, frame);
+  if (frame->Support() < options_.local_map.min_inliers) return false;
   return HangOn(context.map, local.reference, frame);
 }
 

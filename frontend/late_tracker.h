@@ -33,6 +33,8 @@ class LateTracker {
   /// The frame that was placed last, as it was returned, became a keyframe: the walk goes on from
   /// it with all that it shows then.
   void GoOnFrom(const Frame& keyframe);
+  /// What is left of the walk at hand is not worth it.
+  void EndWalk() { walks_.front().todo.clear(); }
   /// Frames that were placed since that, or since the walk began.
   int frames_since_keyframe() const { return walks_.front().frames_since_keyframe; }
   /// Whether that keyframe is still on its way into the map.

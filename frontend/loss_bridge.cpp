@@ -14,8 +14,10 @@ void LossBridge::Keep(Frame frame) {
 
 void LossBridge::Break() { near_end_ = std::exchange(kept_, {}); }
 
-std::vector<Frame> LossBridge::NearEnd() const {
+std::vector<Frame> LossBridge::Cross() {
   std::vector<Frame> frames(near_end_.begin(), near_end_.end());
+  crossing_.insert(crossing_.end(), frames.begin(), frames.end());
+  near_end_.clear();
   for (Frame& frame : frames) frame.ForgetMatches();
   return frames;
 }
@@ -32,14 +34,13 @@ std::optional<MapSeam> LossBridge::SeamAt(const Map& map, const Frame& placed) c
     const MapPoint* point = map.Find(map.Resolve(before->points[i]));
     if (point && point->map == seam.map) seam.points.push_back({i, point->id});
   }
-  if (static_cast<int>(seam.points.size()) < options_.min_common) return std::nullopt;
   return seam;
 }
 
 const Frame* LossBridge::Find(int64_t seq) const {
-  const auto at = std::find_if(near_end_.begin(), near_end_.end(),
+  const auto at = std::find_if(crossing_.begin(), crossing_.end(),
                                [&](const Frame& f) { return f.seq == seq; });
-  return at == near_end_.end() ? nullptr : &*at;
+  return at == crossing_.end() ? nullptr : &*at;
 }
 
 }  // namespace vpslam

@@ -15,14 +15,11 @@
 #include "core/map/map.h"
 #include "core/messages/keyframe_proposal.h"
 #include "frontend/frame.h"
-#include "frontend/tracker_options.h"
 
 namespace vpslam {
 
 class LossBridge {
  public:
-  explicit LossBridge(const SeamOptions& options) : options_(options) {}
-
   /// A frame that was tracked, in order of time.
   void Keep(Frame frame);
   /// The camera is lost: what was kept is the near end. What was kept at an earlier loss is
@@ -33,19 +30,23 @@ class LossBridge {
   /// The camera was found, or is lost for too long.
   void ForgetNearEnd() { near_end_.clear(); }
 
-  /// Of the near end, in order of time, to be placed in the new map: without matches.
-  std::vector<Frame> NearEnd() const;
+  /// The near end crosses over to the new map, whatever happens to the camera meanwhile. Its
+  /// frames, in order of time, to be placed there: without matches.
+  std::vector<Frame> Cross();
+  /// None of them is left to be placed.
+  void EndCrossing() { crossing_.clear(); }
   /// Whether the frame is one of these: it was tracked when it came, and has its pose already.
   bool Has(const Frame& frame) const { return Find(frame.seq) != nullptr; }
-  /// Of a frame of the near end, now that it is placed in the new map: where it stands in the old
-  /// one, and what it shows of it. None if that is little, or the maps have met.
+  /// Of a frame that crosses, now that it is placed in the new map: where it stands in the old one,
+  /// and what it shows of that. None if the old one is gone, or the two have met. The backend needs
+  /// points that are common; where both are in view it makes them with the keyframe.
   std::optional<MapSeam> SeamAt(const Map& map, const Frame& placed) const;
 
  private:
   const Frame* Find(int64_t seq) const;
 
-  SeamOptions options_;
   std::deque<Frame> kept_, near_end_;
+  std::vector<Frame> crossing_;
 };
 
 }  // namespace vpslam

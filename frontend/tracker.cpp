@@ -64,7 +64,6 @@ class Tracker::Impl {
         paper_rotation_(camera_, options_.rotation),
         relocalizer_(options),
         seams_(options.seams),
-        bridge_(options.seams),
         rng_(seed) {}
 
   FrameFeatures Extract(const ImageFrame& image) {
@@ -185,7 +184,7 @@ class Tracker::Impl {
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
   void PassProbation(Output* output) {
     on_probation_ = false;
-    std::vector<Frame> frames = bridge_.NearEnd();
+    std::vector<Frame> frames = bridge_.Cross();
     frames.insert(frames.end(), history_.begin(), history_.end());
     history_.clear();
     FramePose pose = ToPose(first_, TrackingState::kTracking);
@@ -399,27 +398,25 @@ class Tracker::Impl {
 
   /// Where little of the map is left to be seen, what was seen then is worked into it.
   void PlaceLateFrame(Output* output, bool may_propose) {
-    if (!late_.Busy() || (may_propose && late_.Waits(map_))) return;
+    if (!late_.Busy()) return bridge_.EndCrossing();
+    if (may_propose && late_.Waits(map_)) return;
     std::optional<Frame> frame = late_.Step(context_);
     if (!frame) return;
     const MapId map = map_.FindEvenCulled(frame->reference)->map;
+    const bool has_pose = bridge_.Has(*frame);
     const auto seam = bridge_.SeamAt(map_, *frame);
-    const int under_way = unanswered_ + static_cast<int>(output->keyframes.size());
-    // As if others were under way: only where tracking is weak.
-    const EarlierKeyframes earlier{late_.frames_since_keyframe(),
-                                   std::max(under_way, options_.keyframes.max_unanswered)};
+    if (has_pose && !(seam && may_propose)) return late_.EndWalk();
     const bool is_keyframe =
-        may_propose && output->keyframes.size() < 2 &&
-        earlier.frames_since >= options_.late_frames_per_keyframe &&
-        earlier.unanswered < options_.keyframes.max_unanswered_when_weak &&
-        (seam || IsKeyframe(*frame, frame->reference, earlier, map_, options_.keyframes));
+        may_propose && unanswered_ == 0 && output->keyframes.size() < 2 &&
+        late_.frames_since_keyframe() >= options_.late_frames_per_keyframe &&
+        (seam || IsWeaklyTracked(*frame, frame->reference, map_, options_.keyframes));
     if (is_keyframe) {
       output->keyframes.push_back(MakeProposal(*frame, NextKeyframeId(), map));
       if (seam) output->keyframes.back().seam = *seam;
       HangOnKeyframe(output->keyframes.back().id, &*frame);
       late_.GoOnFrom(*frame);
     }
-    if (bridge_.Has(*frame)) return;
+    if (has_pose) return;
     output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
     output->poses.back().live = false;
     output->poses.back().map = map;

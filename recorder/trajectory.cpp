@@ -73,9 +73,14 @@ std::vector<StampedPose> KeyframeTrajectory(const Map& map, MapId map_id) {
     if (!keyframe || keyframe->map != map_id) continue;
     poses.push_back({keyframe->stamp_us, keyframe->cam_from_world.Inverse()});
   }
-  // One that ties two maps together is of a time before those of the newer map.
-  std::sort(poses.begin(), poses.end(),
-            [](const StampedPose& a, const StampedPose& b) { return a.stamp_us < b.stamp_us; });
+  // Late ones come after those of later times, and a frame that ties two maps may be one of both.
+  std::stable_sort(poses.begin(), poses.end(), [](const StampedPose& a, const StampedPose& b) {
+    return a.stamp_us < b.stamp_us;
+  });
+  const auto same = [](const StampedPose& a, const StampedPose& b) {
+    return a.stamp_us == b.stamp_us;
+  };
+  poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
   return poses;
 }
 

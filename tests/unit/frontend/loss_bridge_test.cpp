@@ -43,11 +43,11 @@ class LossBridgeTest : public ::testing::Test {
     return In(MapId(0), s.NewFrame(PoseAt({x, 0, 0}), seq), KeyframeId(2));
   }
   Frame After(const Frame& before) const { return In(MapId(1), before, KeyframeId(3)); }
-  static LossBridge BrokenBehind(const std::vector<Frame>& frames,
-                                 const SeamOptions& options = {}) {
-    LossBridge bridge(options);
+  static LossBridge CrossingFrom(const std::vector<Frame>& frames) {
+    LossBridge bridge;
     for (const Frame& frame : frames) bridge.Keep(frame);
     bridge.Break();
+    bridge.Cross();
     return bridge;
   }
 
@@ -56,7 +56,7 @@ class LossBridgeTest : public ::testing::Test {
 
 TEST_F(LossBridgeTest, AFrameFromBeforeTheLossMakesASeam) {
   const Frame before = Before(0.6, 101);
-  const LossBridge bridge = BrokenBehind({before});
+  const LossBridge bridge = CrossingFrom({before});
   const auto seam = bridge.SeamAt(s.map.map, After(before));
   ASSERT_TRUE(seam);
   EXPECT_EQ(seam->map, MapId(0));
@@ -68,7 +68,10 @@ TEST_F(LossBridgeTest, AFrameFromBeforeTheLossMakesASeam) {
 
 TEST_F(LossBridgeTest, TheNearEndIsToBePlacedInTheNewMap) {
   const std::vector<Frame> before{Before(0.2, 101), Before(0.5, 102)};
-  const std::vector<Frame> near_end = BrokenBehind(before).NearEnd();
+  LossBridge bridge;
+  for (const Frame& frame : before) bridge.Keep(frame);
+  bridge.Break();
+  const std::vector<Frame> near_end = bridge.Cross();
   ASSERT_EQ(near_end.size(), 2u);
   for (size_t i = 0; i < near_end.size(); ++i) {
     EXPECT_EQ(near_end[i].seq, before[i].seq);
@@ -77,31 +80,40 @@ TEST_F(LossBridgeTest, TheNearEndIsToBePlacedInTheNewMap) {
   }
 }
 
-TEST_F(LossBridgeTest, FramesOfTheLossAreNotOfTheNearEnd) {
+TEST_F(LossBridgeTest, FramesOfTheLossDoNotCross) {
   const Frame before = Before(0.6, 101), lost = Before(0.7, 102);
-  LossBridge bridge({});
+  LossBridge bridge;
   bridge.Keep(before);
-  EXPECT_FALSE(bridge.Has(before)) << "no loss yet";
-  EXPECT_FALSE(bridge.SeamAt(s.map.map, After(before)));
   bridge.Break();
+  EXPECT_FALSE(bridge.Has(before)) << "there is no new map yet";
+  EXPECT_FALSE(bridge.SeamAt(s.map.map, After(before)));
+  bridge.Cross();
   EXPECT_TRUE(bridge.Has(before));
   EXPECT_FALSE(bridge.Has(lost));
   EXPECT_FALSE(bridge.SeamAt(s.map.map, After(lost)));
 }
 
-TEST_F(LossBridgeTest, FewPointsAreNotEnough) {
-  Frame before = Before(0.6, 101);
-  SeamOptions options;
-  for (const int margin : {0, 1}) {
-    options.min_common = TrackingScene::NumMatched(before) + margin;
-    const auto seam = BrokenBehind({before}, options).SeamAt(s.map.map, After(before));
-    EXPECT_EQ(seam.has_value(), margin == 0);
-  }
+TEST_F(LossBridgeTest, WhatCrossesGoesOnBehindAnotherLoss) {
+  const Frame before = Before(0.6, 101), later = Before(0.7, 201);
+  LossBridge bridge = CrossingFrom({before});
+  bridge.Keep(later);
+  bridge.Break();
+  EXPECT_TRUE(bridge.SeamAt(s.map.map, After(before)));
+  bridge.ForgetNearEnd();
+  EXPECT_TRUE(bridge.Has(before)) << "found again, but the walk goes on";
+  bridge.Keep(later);
+  bridge.Break();
+  EXPECT_EQ(bridge.Cross().size(), 1u);
+  EXPECT_TRUE(bridge.Has(before));
+  EXPECT_TRUE(bridge.Has(later));
+  bridge.EndCrossing();
+  EXPECT_FALSE(bridge.Has(before));
+  EXPECT_FALSE(bridge.Has(later));
 }
 
 TEST_F(LossBridgeTest, TheMapsMayMoveMeetAndGo) {
   const Frame before = Before(0.6, 101);
-  const LossBridge bridge = BrokenBehind({before});
+  const LossBridge bridge = CrossingFrom({before});
   Frame after = After(before);
   const Sim3 elsewhere{ExpSo3({0.5, 1, -0.5}), {1, 2, 3}, 4};
   s.map.map.Transform(MapId(0), elsewhere);
@@ -118,14 +130,16 @@ TEST_F(LossBridgeTest, TheMapsMayMoveMeetAndGo) {
 
 TEST_F(LossBridgeTest, WhatIsForgottenIsGone) {
   const Frame before = Before(0.6, 101);
-  LossBridge bridge = BrokenBehind({before});
+  LossBridge bridge;
+  bridge.Keep(before);
+  bridge.Break();
   bridge.ForgetNearEnd();
-  EXPECT_FALSE(bridge.Has(before));
+  EXPECT_TRUE(bridge.Cross().empty());
 
   bridge.Keep(before);
   bridge.ForgetKept();
   bridge.Break();
-  EXPECT_TRUE(bridge.NearEnd().empty());
+  EXPECT_TRUE(bridge.Cross().empty());
 
   for (int i = 0; i < 140; ++i) {
     Frame frame = before;
@@ -133,7 +147,7 @@ TEST_F(LossBridgeTest, WhatIsForgottenIsGone) {
     bridge.Keep(frame);
   }
   bridge.Break();
-  const std::vector<Frame> near_end = bridge.NearEnd();
+  const std::vector<Frame> near_end = bridge.Cross();
   ASSERT_FALSE(near_end.empty());
   EXPECT_LE(near_end.size(), 100u);
   EXPECT_EQ(near_end.back().seq, 139) << "the last are kept";

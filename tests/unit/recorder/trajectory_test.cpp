@@ -152,9 +152,9 @@ TEST_F(TwoMaps, KeptKeyframesOfOneMap) {
   EXPECT_NEAR((Center(poses[1]) - Eigen::Vector3d(3, 0, 0)).norm(), 0, 1e-12);
 }
 
-TEST_F(TwoMaps, KeyframesAreInOrderOfTime) {
+TEST_F(TwoMaps, KeyframesAreInOrderOfTimeAndEachTimeIsThereOnce) {
   MapDelta tie = MakeDelta(2);
-  tie.keyframes = {MakeKeyframe(4, 0, 1, CamAt(1))};
+  tie.keyframes = {MakeKeyframe(4, 0, 1, CamAt(1)), MakeKeyframe(5, 0, 2, CamAt(1))};
   ASSERT_TRUE(run_.Apply(tie));
   const auto poses = KeyframeTrajectory(run_.map(), MapId(0));
   ASSERT_EQ(poses.size(), 3u);
