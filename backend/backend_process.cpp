@@ -76,7 +76,8 @@ bool BackendProcess::AnswerRequests() {
 }
 
 bool BackendProcess::Work(const KeyframeProposal& keyframe) {
-  // The tracker proposes another keyframe before it has an answer only if it needs new points.
+  // The tracker proposes another keyframe before it has an answer only if it needs new points, or
+  // beside one of an earlier frame.
   const auto next_waits = [this] { return keyframes_.HasMessage(); };
   const auto is_urgent =
       pace_ == Pace::kRealtime ? std::function<bool()>(next_waits) : std::function<bool()>();
