@@ -130,7 +130,7 @@ struct RelocalizerOptions {
   int min_matches = 15;    ///< between frame and place
   /// Inliers, as a share of the points that the pose found makes visible. A place that only looks
   /// like another one, a door like the next door, shows few of them: below 0.1 in a corridor, where
-  /// true returns of six sequences show 0.18 and more.
+  /// true returns in four sequences show 0.18 and more.
   double min_found_share = 0.12;
   /// Frames that the camera is lost before a new map is begun; the old one stays.
   int frames_to_new_map = 30;
