@@ -47,6 +47,7 @@ class Creator {
     for (const auto& [other, shared] : covisible) neighbours_.push_back(MakeView(other));
     is_first_map_ = map_->NumKeyframes(map_->Find(id)->map) == 2;
     max_depth_ = options_.max_depth_ratio * DepthQuantile(*map_, id, 0.9);
+    min_depth_ = options_.min_depth_share * DepthQuantile(*map_, id, 0.05);
     std::vector<LineId> created;
     for (size_t i = 0; i < first.lines->lines.size(); ++i) {
       const auto segment = static_cast<int32_t>(i);
@@ -65,7 +66,7 @@ class Creator {
   struct Candidate {
     int32_t segment = -1;
     int distance = 257;
-    std::optional<MapLine> line;  ///< none where it is too far away to be placed
+    std::optional<MapLine> line;  ///< none where it is too far away to be placed, or too near
     bool has_direction = false;   ///< by vanishing points
   };
 
@@ -83,8 +84,9 @@ class Creator {
       const int distance = Distance(a.descriptor, b.descriptor);
       if (distance > options_.max_distance || distance >= runner_up.distance) continue;
       bool has_direction = false;
-      const std::optional<MapLine> line = Triangulate(first, a, second, b, &has_direction);
+      std::optional<MapLine> line = Triangulate(first, a, second, b, &has_direction);
       if (!line && !MayBeFar(first, a, second, b)) continue;
+      if (line && IsTooNear(*line, first.cam_from_world, min_depth_)) line.reset();
       Candidate candidate{static_cast<int32_t>(j), distance, line, has_direction};
       if (candidate.distance < best.distance) std::swap(candidate, best);
       if (candidate.distance < runner_up.distance) runner_up = candidate;
@@ -203,7 +205,7 @@ class Creator {
   Map* map_;
   LineTriangulationOptions triangulation_;
   std::vector<View> neighbours_;
-  double max_depth_ = 0;
+  double min_depth_ = 0, max_depth_ = 0;
   bool is_first_map_ = false;
 };
 

@@ -85,4 +85,9 @@ bool Fits(const MapLine& line, const SE3& cam_from_world, const LineSegment& seg
              .value.squaredNorm() <= kChi2Dof2 * sigma_px * sigma_px;
 }
 
+bool IsTooNear(const MapLine& line, const SE3& cam_from_world, double min_depth) {
+  return line.axis < 0 &&
+         std::max((cam_from_world * line.start).z(), (cam_from_world * line.end).z()) < min_depth;
+}
+
 }  // namespace vpslam

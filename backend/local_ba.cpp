@@ -15,6 +15,7 @@
 
 #include "backend/ba_window.h"
 #include "backend/line_view.h"
+#include "backend/point_creator.h"
 #include "backend/point_view.h"
 #include "core/estimation/line_cost.h"
 #include "core/estimation/line_residual.h"
@@ -254,9 +255,16 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
     return !(x.z() < kMinDepth || (camera.Project(x) - keypoint.Position()).squaredNorm() >
                                       kChi2Dof2 * scales.sigma2(keypoint.octave));
   };
+  std::map<KeyframeId, double> min_depths;
+  const auto min_depth = [&](KeyframeId id) {
+    const auto [at, is_new] = min_depths.try_emplace(id, 0);
+    if (is_new) at->second = options.min_line_depth_share * DepthQuantile(*map, id, 0.05);
+    return at->second;
+  };
   const auto line_fits = [&](const MapLine& line, const Observation& o) {
-    return Fits(line, map->Find(o.keyframe)->cam_from_world,
-                store.at(o.keyframe).lines.lines[o.feature], camera);
+    const SE3& cam_from_world = map->Find(o.keyframe)->cam_from_world;
+    return !IsTooNear(line, cam_from_world, min_depth(o.keyframe)) &&
+           Fits(line, cam_from_world, store.at(o.keyframe).lines.lines[o.feature], camera);
   };
   summary.outliers = RemoveOutliers(window, window.points, point_fits, map) +
                      RemoveOutliers(window, window.lines, line_fits, map);

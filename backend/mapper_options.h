@@ -23,6 +23,7 @@ struct LocalBaOptions {
   int min_iterations_when_urgent = 2;  ///< when the next keyframe waits already
   double function_tolerance = 1e-4;    ///< relative decrease of the cost that ends the iteration
   double direction_sigma_deg = 0.5;    ///< of a line about the Manhattan axis that it belongs to
+  double min_line_depth_share = 0.2;   ///< see IsTooNear; less than that of new lines
 
   template <class V>
   void Visit(V& v) {
@@ -37,6 +38,7 @@ struct LocalBaOptions {
     v("min_iterations_when_urgent", min_iterations_when_urgent);
     v("function_tolerance", function_tolerance);
     v("direction_sigma_deg", direction_sigma_deg);
+    v("min_line_depth_share", min_line_depth_share);
   }
 };
 
@@ -89,6 +91,7 @@ struct LineMappingOptions {
   /// Between a ray of one view and the plane of the other: less says nothing about depth.
   double min_ray_plane_angle_deg = 1.5;
   double max_depth_ratio = 2.0;  ///< of the depth that 90 % of the points stay below
+  double min_depth_share = 0.3;  ///< of the depth that 95 % of the points exceed, see IsTooNear
   double min_overlap = 0.5;      ///< of the shorter of two segments
   double max_offset_px = 4.0;    ///< between a segment and where a line is predicted
   int probation_keyframes = 3;   ///< as for points
@@ -102,6 +105,7 @@ struct LineMappingOptions {
     v("ratio", ratio);
     v("min_ray_plane_angle_deg", min_ray_plane_angle_deg);
     v("max_depth_ratio", max_depth_ratio);
+    v("min_depth_share", min_depth_share);
     v("min_overlap", min_overlap);
     v("max_offset_px", max_offset_px);
     v("probation_keyframes", probation_keyframes);

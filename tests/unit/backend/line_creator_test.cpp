@@ -199,6 +199,23 @@ TEST(LineCreator, WhatIsFarBehindThePointsIsRefused) {
   }
 }
 
+TEST(LineCreator, WhatIsFarBeforeThePointsIsRefused) {
+  // The points are 3 m away and more.
+  for (const double depth : {0.6, 1.5}) {
+    SyntheticLineMap m(16, {.num_free = 0}, {});
+    for (int i = 0; i < 12; ++i) {
+      const int l =
+          m.lines.Add({depth * (-0.25 + 0.04 * i), 0, depth}, Eigen::Vector3d::UnitY(), -1);
+      m.lines.lines[l].start.y() = -0.2 * depth;
+      m.lines.lines[l].end.y() = 0.2 * depth;
+    }
+    for (const double x : {0.0, 0.15, 0.3}) m.AddKeyframe(PoseAt({depth * x, 0.1 * x, 0}));
+    m.map.AddPoints(0, 200);
+    ASSERT_GT(m.SeenBy(3).size(), 6u);
+    EXPECT_EQ(Create(m).empty(), depth < 1) << depth;
+  }
+}
+
 TEST(LineCreator, AnOppositeSegmentIsAnotherEdge) {
   SyntheticLineMap m(10, {}, PosesSideBySide(3));
   SyntheticLineMap same = m;

@@ -25,6 +25,19 @@ TEST(ViewSegment, RaysMeetTheLineThatIsSeen) {
   }
 }
 
+TEST(IsTooNear, AskedOfTheFarEndAndOfLinesWithoutAnAxis) {
+  MapLine line;
+  line.start = {0.1, 0, -2};
+  line.end = {0.1, 0, 0.5};
+  const SE3 cam_from_world = PoseAt({0, 0, -0.5});
+  EXPECT_FALSE(IsTooNear(line, cam_from_world, 0.9)) << "one end may lie behind the camera";
+  EXPECT_TRUE(IsTooNear(line, cam_from_world, 1.1));
+  std::swap(line.start, line.end);
+  EXPECT_TRUE(IsTooNear(line, cam_from_world, 1.1));
+  line.axis = 2;
+  EXPECT_FALSE(IsTooNear(line, cam_from_world, 1.1));
+}
+
 TEST(AxisOf, IsTheAxisOfTheMapWhateverTheDetectorCallsIt) {
   SyntheticLineMap m(2, {.num_free = 10, .num_per_axis = 15}, PosesSideBySide(2));
   const KeyframeId k(1);

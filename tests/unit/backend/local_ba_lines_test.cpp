@@ -108,6 +108,27 @@ TEST(LocalBaLines, WrongObservationsAreThrownOut) {
   EXPECT_GT(left, 0.85 * (total - static_cast<int>(wrong.size())));
 }
 
+TEST(LocalBaLines, WhatCameTooNearIsLetGo) {
+  // The points are 3 m away and more.
+  for (const int axis : {-1, 1}) {
+    for (const double depth : {0.4, 1.0}) {
+      SyntheticLineMap m(4, {.num_free = 0}, {});
+      for (int i = 0; i < 8; ++i) {
+        const int l =
+            m.lines.Add({depth * (-0.25 + 0.05 * i), 0, depth}, Eigen::Vector3d::UnitY(), axis);
+        m.lines.lines[l].start.y() = -0.2 * depth;
+        m.lines.lines[l].end.y() = 0.2 * depth;
+      }
+      for (const double x : {0.0, 0.15, 0.3}) m.AddKeyframe(PoseAt({depth * x, 0, 0}));
+      m.map.AddPoints(0, 200);
+      for (const int l : m.SeenBy(3)) m.AddLine(l, m.AllKeyframes());
+      ASSERT_GT(m.Lines().size(), 4u);
+      Adjust(m);
+      EXPECT_EQ(m.Lines().empty(), depth < 0.5 && axis < 0) << depth << " " << axis;
+    }
+  }
+}
+
 TEST(LocalBaLines, TwoViewsWithoutDirectionMoveNothing) {
   SyntheticLineMap m(3, {.noise_sigmas = 0}, PosesSideBySide(3));
   for (const int l : m.SeenBy(3)) {
