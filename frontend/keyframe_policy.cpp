@@ -57,4 +57,21 @@ bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes
                                                 : std::max(1, options.max_unanswered));
 }
 
+KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map) {
+  KeyframeProposal proposal;
+  proposal.id = id;
+  proposal.map = map;
+  proposal.frame_seq = frame.seq;
+  proposal.stamp_us = frame.stamp_us;
+  proposal.cam_from_world = frame.cam_from_world;
+  proposal.reference = frame.reference;
+  proposal.features = frame.features;
+  proposal.points = frame.points;
+  proposal.points.resize(frame.features.size());
+  if (frame.lines) proposal.lines = *frame.lines;
+  proposal.map_lines = frame.map_lines;
+  proposal.map_lines.resize(proposal.lines.lines.size());
+  return proposal;
+}
+
 }  // namespace vpslam

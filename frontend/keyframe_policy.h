@@ -1,7 +1,8 @@
-// When a frame becomes a keyframe.
+// When a frame becomes a keyframe, and what of it the backend is told then.
 #pragma once
 
 #include "core/map/map.h"
+#include "core/messages/keyframe_proposal.h"
 #include "frontend/frame.h"
 #include "frontend/tracker_options.h"
 
@@ -20,5 +21,8 @@ bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
 /// `reference`: the keyframe that shares most points with the frame.
 bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
                 const Map& map, const KeyframePolicyOptions& options);
+
+/// The frame as keyframe `id` of `map`.
+KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map);
 
 }  // namespace vpslam
