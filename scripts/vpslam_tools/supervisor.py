@@ -117,7 +117,8 @@ class Supervisor:
         """Returns when no process is left; `faults` and `interrupts` say how it went."""
         player = self.children[self.order[0]]
         told, deadline = False, None
-        while self._needed() and not self._find_faults() and self.interrupts < 2:
+        # Faults first: all may have ended since the last look.
+        while not self._find_faults() and self._needed() and self.interrupts < 2:
             if self.interrupts == 1 and not told:
                 told, deadline = True, time.monotonic() + INTERRUPT_S
                 player.signal(signal.SIGINT)
