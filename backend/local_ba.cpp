@@ -15,7 +15,6 @@
 
 #include "backend/ba_window.h"
 #include "backend/line_view.h"
-#include "backend/point_creator.h"
 #include "backend/point_view.h"
 #include "core/estimation/line_cost.h"
 #include "core/estimation/line_residual.h"
@@ -25,6 +24,7 @@
 #include "core/estimation/rotation_cost.h"
 #include "core/estimation/se3_manifold.h"
 #include "core/features/corner_accuracy.h"
+#include "core/map/depth_quantile.h"
 
 namespace vpslam {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/estimation/robust.h"
 #include "core/features/matcher.h"
 #include "core/geometry/triangulation.h"
+#include "core/map/depth_quantile.h"
 
 namespace vpslam {
 namespace {
@@ -64,21 +65,6 @@ bool Triangulate(const View& a, const View& b, const Camera& camera, const Scale
 }
 
 }  // namespace
-
-double DepthQuantile(const Map& map, KeyframeId id, double quantile) {
-  const Keyframe* keyframe = map.Find(id);
-  std::vector<double> depths;
-  for (const PointId point_id : keyframe->points) {
-    if (const MapPoint* point = map.Find(point_id)) {
-      depths.push_back((keyframe->cam_from_world * point->position).z());
-    }
-  }
-  if (depths.empty()) return 0;
-  const auto at =
-      depths.begin() + static_cast<int>(quantile * static_cast<double>(depths.size() - 1));
-  std::nth_element(depths.begin(), at, depths.end());
-  return *at;
-}
 
 std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const ScalePyramid& scales,
                                   const KeyframeStore& store, const PointCreatorOptions& options,

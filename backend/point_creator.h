@@ -17,7 +17,4 @@ std::vector<PointId> CreatePoints(KeyframeId keyframe, const Camera& camera,
                                   const ScalePyramid& scales, const KeyframeStore& store,
                                   const PointCreatorOptions& options, Map* map);
 
-/// Depth of the keyframe's points in its camera, map units; 0 if it has none.
-double DepthQuantile(const Map& map, KeyframeId keyframe, double quantile);
-
 }  // namespace vpslam

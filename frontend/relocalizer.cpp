@@ -61,7 +61,8 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
 }  // namespace
 
 /// The pose from a few matches may be crude: look farther around first.
-bool Relocalizer::Refine(const TrackingContext& context, Frame* frame) const {
+bool Relocalizer::Refine(const TrackingContext& context, MapId map, const Whereabouts& whereabouts,
+                         Frame* frame) const {
   size_t num_visible = 0;
   for (const double radius_factor : {4.0, 1.0}) {
     const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
@@ -70,24 +71,30 @@ bool Relocalizer::Refine(const TrackingContext& context, Frame* frame) const {
     if (OptimizeFrame(context, options_.pose, frame) < options_.motion.min_inliers) return false;
     num_visible = visible.size();
   }
+  const double min_share =
+      whereabouts.Allow(context.map, map, frame->cam_from_world, frame->stamp_us)
+          ? options_.relocalizer.min_found_share
+          : options_.relocalizer.min_found_share_far;
   return frame->inliers >= options_.local_map.min_inliers_after_loss &&
-         frame->inliers >= options_.relocalizer.min_found_share * static_cast<double>(num_visible);
+         frame->inliers >= min_share * static_cast<double>(num_visible);
 }
 
 bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
-                           std::mt19937_64& rng, Frame* frame) const {
+                           const Whereabouts& whereabouts, std::mt19937_64& rng,
+                           Frame* frame) const {
   const RelocalizerOptions& options = options_.relocalizer;
   return MatchPlace(context, keyframe, options.neighbours, frame) >= options.min_matches &&
-         SolvePose(context, rng, frame) && Refine(context, frame);
+         SolvePose(context, rng, frame) &&
+         Refine(context, context.map.Find(keyframe)->map, whereabouts, frame);
 }
 
 bool Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
-                       std::mt19937_64& rng, Frame* frame) {
+                       const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame) {
   index_.Update(context.map, except);
   const auto places =
       index_.Query(context.map, frame->features.descriptors, options_.relocalizer.max_candidates);
   for (const auto& [keyframe, votes] : places) {
-    if (TryPlace(context, keyframe, rng, frame)) return true;
+    if (TryPlace(context, keyframe, whereabouts, rng, frame)) return true;
   }
   frame->ForgetMatches();
   return false;

@@ -9,6 +9,7 @@
 #include "frontend/frame.h"
 #include "frontend/frame_tracking.h"
 #include "frontend/tracker_options.h"
+#include "frontend/whereabouts.h"
 
 namespace vpslam {
 
@@ -17,15 +18,16 @@ class Relocalizer {
   explicit Relocalizer(const TrackerOptions& options)
       : options_(options), index_(options.relocalizer.places) {}
 
-  /// In any map but those in `except` (ascending). On success the frame has its pose and its
-  /// matches; otherwise it has no matches.
-  bool Find(const TrackingContext& context, const std::vector<MapId>& except, std::mt19937_64& rng,
-            Frame* frame);
+  /// In any map but those in `except` (ascending). Places that `whereabouts` don't allow need more
+  /// evidence. On success the frame has its pose and its matches; otherwise it has no matches.
+  bool Find(const TrackingContext& context, const std::vector<MapId>& except,
+            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
 
  private:
-  bool TryPlace(const TrackingContext& context, KeyframeId keyframe, std::mt19937_64& rng,
-                Frame* frame) const;
-  bool Refine(const TrackingContext& context, Frame* frame) const;
+  bool TryPlace(const TrackingContext& context, KeyframeId keyframe, const Whereabouts& whereabouts,
+                std::mt19937_64& rng, Frame* frame) const;
+  bool Refine(const TrackingContext& context, MapId map, const Whereabouts& whereabouts,
+              Frame* frame) const;
 
   TrackerOptions options_;
   PlaceIndex index_;

@@ -15,7 +15,7 @@ std::optional<MapSeam> SeamFinder::Look(const TrackingContext& context, const Fr
   if (std::includes(except.begin(), except.end(), maps.begin(), maps.end())) return std::nullopt;
   frames_to_wait_ = options_.interval_frames;
   Frame elsewhere = frame;
-  if (!relocalizer->Find(context, except, rng, &elsewhere)) return std::nullopt;
+  if (!relocalizer->Find(context, except, Whereabouts(), rng, &elsewhere)) return std::nullopt;
   MapSeam seam;
   int common = 0;
   for (int i = 0; i < frame.features.size(); ++i) {

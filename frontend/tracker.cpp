@@ -154,6 +154,7 @@ class Tracker::Impl {
     output->keyframes.push_back(std::move(first));
     output->keyframes.push_back(std::move(second));
     state_ = TrackingState::kTracking;
+    on_probation_ = true;
     output->poses.push_back(ToPose(frame, state_));
     output->poses.back().keyframe = frame.reference;
     Accept(std::move(frame));
@@ -161,7 +162,6 @@ class Tracker::Impl {
     frames_since_keyframe_ = 0;
     sightings_.clear();
     paper_rotation_.Reset();
-    on_probation_ = true;
   }
 
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
@@ -255,7 +255,8 @@ class Tracker::Impl {
                   (TrackWithMotion(&frame) || TrackWithKeyframe(&frame));
     bool relocalized = false;
     if (!placed && !on_probation_) {
-      relocalized = placed = relocalizer_.Find(context_, {discarded_map_}, rng_, &frame);
+      relocalized = placed =
+          relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame);
     }
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;
@@ -373,6 +374,7 @@ class Tracker::Impl {
   }
 
   void Accept(Frame frame) {
+    if (!on_probation_) whereabouts_.See(frame);
     if (last_) bridge_.Keep(std::move(*last_));
     last_ = std::move(frame);
   }
@@ -441,6 +443,7 @@ class Tracker::Impl {
   LateTracker late_;
   PaperRotation paper_rotation_;
   Relocalizer relocalizer_;
+  Whereabouts whereabouts_;
   SeamFinder seams_;
   LossBridge bridge_;
   std::mt19937_64 rng_;

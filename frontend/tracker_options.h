@@ -132,6 +132,8 @@ struct RelocalizerOptions {
   /// like another one, a door like the next door, shows few of them: below 0.1 in a corridor, where
   /// true returns in four sequences show 0.18 and more.
   double min_found_share = 0.12;
+  /// The same where the camera can't have come in the time since it was seen (whereabouts.h).
+  double min_found_share_far = 0.2;
   /// Frames that the camera is lost before a new map is begun; the old one stays.
   int frames_to_new_map = 30;
 
@@ -142,6 +144,7 @@ struct RelocalizerOptions {
     v("neighbours", neighbours);
     v("min_matches", min_matches);
     v("min_found_share", min_found_share);
+    v("min_found_share_far", min_found_share_far);
     v("frames_to_new_map", frames_to_new_map);
   }
 };

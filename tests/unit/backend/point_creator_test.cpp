@@ -219,20 +219,5 @@ TEST(PointCreator, SameInputSameBytes) {
   EXPECT_EQ(once, run());
 }
 
-TEST(DepthQuantile, IsThatOfThePoints) {
-  Pair pair(11, {}, Sideways());
-  const Map& map = pair.map.map;
-  std::vector<double> depths;
-  for (const PointId id : map.Find(KeyframeId(1))->points) {
-    if (id.IsValid()) depths.push_back((Sideways() * map.Find(id)->position).z());
-  }
-  std::sort(depths.begin(), depths.end());
-  EXPECT_DOUBLE_EQ(DepthQuantile(map, KeyframeId(1), 0), depths.front());
-  EXPECT_DOUBLE_EQ(DepthQuantile(map, KeyframeId(1), 0.5), depths[(depths.size() - 1) / 2]);
-  EXPECT_DOUBLE_EQ(DepthQuantile(map, KeyframeId(1), 1), depths.back());
-  const KeyframeId empty = pair.map.AddKeyframe(pair.scene.Look(Sideways()));
-  EXPECT_EQ(DepthQuantile(map, empty, 0.5), 0);
-}
-
 }  // namespace
 }  // namespace vpslam

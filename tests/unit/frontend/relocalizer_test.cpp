@@ -8,11 +8,12 @@ namespace vpslam {
 namespace {
 
 bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame,
-                const std::vector<MapId>& except = {}, const RelocalizerOptions& options = {}) {
+                const std::vector<MapId>& except = {}, const RelocalizerOptions& options = {},
+                const Whereabouts& whereabouts = {}) {
   std::mt19937_64 rng(seed);
   TrackerOptions tracking;
   tracking.relocalizer = options;
-  return Relocalizer(tracking).Find(s.context(), except, rng, frame);
+  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame);
 }
 
 TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
@@ -85,6 +86,20 @@ TEST(Relocalizer, APlaceThatShowsLittleOfWhatIsThereIsAnother) {
   RelocalizerOptions options;
   options.min_found_share = 0;
   EXPECT_TRUE(Relocalize(s, 1, &frame, {}, options));
+}
+
+TEST(Relocalizer, WhereItCannotHaveComeMoreIsAskedFor) {
+  TrackingScene s(9, {.num_points = 2400});
+  Whereabouts whereabouts;
+  whereabouts.See(s.TrackedFrame(PoseAt({100, 0, 0}), 0));
+  Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 1);
+  HideAllBut(200, s, &frame);
+  frame.stamp_us = 1'000'000;
+  EXPECT_TRUE(Relocalize(s, 1, &frame)) << "one in six of about 1200 points";
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {}, whereabouts))
+      << "a hundred units away a second ago";
+  frame.stamp_us = 60'000'000;
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, {}, whereabouts)) << "a minute ago";
 }
 
 TEST(Relocalizer, NotInAMapThatIsLeftOut) {

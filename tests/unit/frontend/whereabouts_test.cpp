@@ -1,0 +1,69 @@
+#include "frontend/whereabouts.h"
+
+#include <gtest/gtest.h>
+
+#include "core/map/depth_quantile.h"
+#include "tests/unit/frontend/tracking_scene.h"
+
+namespace vpslam {
+namespace {
+
+constexpr int64_t kSecond_us = 1'000'000;
+
+class WhereaboutsTest : public ::testing::Test {
+ protected:
+  /// Seen for two seconds, thirty times in each, the last time at x = 0 and time 0.
+  Whereabouts Moving(double speed) {
+    Whereabouts whereabouts;
+    for (int i = -60; i <= 0; ++i) {
+      Frame frame = s.TrackedFrame(PoseAt({speed * i / 30, 0, 0}), i);
+      frame.stamp_us = i * kSecond_us / 30;
+      whereabouts.See(frame);
+    }
+    return whereabouts;
+  }
+  bool Allows(const Whereabouts& whereabouts, double x, int64_t stamp_us,
+              MapId map_id = MapId(0)) const {
+    return whereabouts.Allow(s.map.map, map_id, PoseAt({x, 0, 0}), stamp_us);
+  }
+
+  TrackingScene s{1, {}};
+  const double depth = DepthQuantile(s.map.map, KeyframeId(0), 0.5);
+};
+
+TEST_F(WhereaboutsTest, NeverSeenItMayBeAnywhere) {
+  EXPECT_TRUE(Allows(Whereabouts(), 1000 * depth, 0));
+}
+
+TEST_F(WhereaboutsTest, AStandingCameraCanStartToMove) {
+  const Whereabouts whereabouts = Moving(0);
+  EXPECT_TRUE(Allows(whereabouts, 0.95 * depth, kSecond_us));
+  EXPECT_FALSE(Allows(whereabouts, 1.05 * depth, kSecond_us));
+  EXPECT_TRUE(Allows(whereabouts, 1.05 * depth, 2 * kSecond_us));
+  EXPECT_FALSE(Allows(whereabouts, 0.05 * depth, kSecond_us / 30)) << "but not within an image";
+}
+
+TEST_F(WhereaboutsTest, AFastCameraComesFarther) {
+  const Whereabouts whereabouts = Moving(2 * depth);
+  for (const double side : {-1, 1}) {
+    EXPECT_TRUE(Allows(whereabouts, side * 5.9 * depth, kSecond_us));
+    EXPECT_FALSE(Allows(whereabouts, side * 6.1 * depth, kSecond_us));
+  }
+}
+
+TEST_F(WhereaboutsTest, OfAnotherMapNothingIsKnown) {
+  const Whereabouts whereabouts = Moving(0);
+  EXPECT_FALSE(Allows(whereabouts, 100 * depth, kSecond_us));
+  EXPECT_TRUE(Allows(whereabouts, 100 * depth, kSecond_us, MapId(1)));
+}
+
+TEST_F(WhereaboutsTest, FollowsCorrectionsOfTheMap) {
+  const Whereabouts whereabouts = Moving(0);
+  const double shift = 50 * depth;
+  s.map.map.SetPose(KeyframeId(0), PoseAt({shift, 0, 0}));
+  EXPECT_FALSE(Allows(whereabouts, 0, kSecond_us));
+  EXPECT_TRUE(Allows(whereabouts, shift, kSecond_us));
+}
+
+}  // namespace
+}  // namespace vpslam
