@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "backend/line_view.h"
-#include "backend/point_creator.h"
 #include "core/estimation/point_residual.h"
 #include "core/features/line_matcher.h"
 #include "core/geometry/sphere.h"
+#include "core/map/depth_quantile.h"
 #include "core/map/line_view.h"
 
 namespace vpslam {
@@ -47,7 +47,7 @@ class Creator {
     for (const auto& [other, shared] : covisible) neighbours_.push_back(MakeView(other));
     is_first_map_ = map_->NumKeyframes(map_->Find(id)->map) == 2;
     max_depth_ = options_.max_depth_ratio * DepthQuantile(*map_, id, 0.9);
-    min_depth_ = options_.min_depth_share * DepthQuantile(*map_, id, 0.05);
+    near_depth_ = DepthQuantile(*map_, id, 0.05);
     std::vector<LineId> created;
     for (size_t i = 0; i < first.lines->lines.size(); ++i) {
       const auto segment = static_cast<int32_t>(i);
@@ -77,6 +77,7 @@ class Creator {
   std::optional<LineId> TryPair(const View& first, int32_t segment, const View& second) {
     const LineSegment& a = first.lines->lines[segment];
     const Keyframe& keyframe = *map_->Find(second.id);
+    const double min_depth = options_.min_depth_share * near_depth_;
     Candidate best, runner_up;
     for (size_t j = 0; j < second.lines->lines.size(); ++j) {
       const LineSegment& b = second.lines->lines[j];
@@ -86,7 +87,7 @@ class Creator {
       bool has_direction = false;
       std::optional<MapLine> line = Triangulate(first, a, second, b, &has_direction);
       if (!line && !MayBeFar(first, a, second, b)) continue;
-      if (line && IsTooNear(*line, first.cam_from_world, min_depth_)) line.reset();
+      if (line && IsTooNear(*line, first.cam_from_world, min_depth)) line.reset();
       Candidate candidate{static_cast<int32_t>(j), distance, line, has_direction};
       if (candidate.distance < best.distance) std::swap(candidate, best);
       if (candidate.distance < runner_up.distance) runner_up = candidate;
@@ -187,6 +188,10 @@ class Creator {
       others.emplace_back(view.id, match->index);
     }
     if (others.empty() && !candidate.has_direction) return std::nullopt;
+    if (2 + std::ssize(others) < options_.min_views_near &&
+        IsTooNear(*candidate.line, first.cam_from_world, near_depth_)) {
+      return std::nullopt;
+    }
     const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line->start,
                                        candidate.line->end);
     map_->SetAxis(id, candidate.line->axis);
@@ -205,7 +210,8 @@ class Creator {
   Map* map_;
   LineTriangulationOptions triangulation_;
   std::vector<View> neighbours_;
-  double min_depth_ = 0, max_depth_ = 0;
+  double near_depth_ = 0;  ///< that 95 % of the points exceed
+  double max_depth_ = 0;
   bool is_first_map_ = false;
 };
 

@@ -61,6 +61,42 @@ void ManhattanFrame::Add(KeyframeId keyframe, const LineSet& lines) {
   entries_[keyframe] = {{lines.cam_from_manhattan, lines.covariance_rad2}};
 }
 
+std::optional<Eigen::Quaterniond> ManhattanFrame::TurnOf(
+    const ManhattanFrame& other, const Eigen::Quaterniond& world_from_other_world,
+    const Map& map) const {
+  if (!frame_) return std::nullopt;
+  std::vector<Eigen::Vector3d> turns;
+  for (const auto& [id, entry] : other.entries_) {
+    const Keyframe* keyframe = map.Find(id);
+    if (!keyframe) continue;
+    const Eigen::Quaterniond theirs = NamedNearest(
+        world_from_other_world * WorldFromManhattan(entry.measurement, *keyframe), *frame_);
+    turns.push_back(LogSo3(*frame_ * theirs.conjugate()));
+  }
+  const double max_spread_rad = options_.max_birth_spread_deg * kRadPerDeg;
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  int most = 0;
+  for (const Eigen::Vector3d& candidate : turns) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int agreeing = 0;
+    for (const Eigen::Vector3d& turn : turns) {
+      if ((turn - candidate).norm() > max_spread_rad) continue;
+      sum += turn;
+      ++agreeing;
+    }
+    if (agreeing > most) {
+      most = agreeing;
+      best = sum / agreeing;
+    }
+  }
+  if (most < options_.keyframes_to_birth || 2 * most < std::ssize(turns)) return std::nullopt;
+  return ExpSo3(best);
+}
+
+bool ManhattanFrame::Contradicts(const Eigen::Quaterniond& turn) const {
+  return LogSo3(turn).norm() > options_.max_correction_deg * kRadPerDeg;
+}
+
 std::optional<ManhattanMeasurement> ManhattanFrame::Find(KeyframeId keyframe) const {
   const auto at = entries_.find(keyframe);
   if (!frame_ || at == entries_.end() || !at->second.binds) return std::nullopt;
@@ -115,12 +151,12 @@ void ManhattanFrame::Fit(const Map& map) {
     const Eigen::Quaterniond world = Judge(*map.Find(id), &entry);
     if (entry.fits) mean.Add(world, 1.0 / WithExtra(entry.measurement).covariance_rad2.trace());
   }
-  int latest = 0, fitting = 0;
+  int latest = 0, binding = 0;
   for (auto at = entries_.rbegin(); at != entries_.rend() && latest < options_.loss_window; ++at) {
     ++latest;
-    fitting += at->second.fits;
+    binding += at->second.binds;
   }
-  if (latest == options_.loss_window && 2 * fitting < latest) {
+  if (latest == options_.loss_window && 2 * binding < latest) {
     Clear();
   } else {
     frame_ = mean.Get();

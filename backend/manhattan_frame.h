@@ -42,6 +42,13 @@ class ManhattanFrame {
 
   /// Set while the frame exists.
   const std::optional<Eigen::Quaterniond>& world_from_manhattan() const { return frame_; }
+  /// By how much the keyframes of `other`, brought over into this one's world, have to be turned
+  /// there for their axes to be those of this frame; nullopt where they do not agree about it.
+  std::optional<Eigen::Quaterniond> TurnOf(const ManhattanFrame& other,
+                                           const Eigen::Quaterniond& world_from_other_world,
+                                           const Map& map) const;
+  /// Whether a turn is more than a keyframe may be corrected by.
+  bool Contradicts(const Eigen::Quaterniond& turn) const;
   /// What binds this keyframe, if anything does; its covariance holds what the map has found
   /// detectors to err beyond what they say.
   std::optional<ManhattanMeasurement> Find(KeyframeId keyframe) const;

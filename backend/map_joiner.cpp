@@ -219,14 +219,50 @@ std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& se
   return alignment;
 }
 
-Merger JoinMaps(KeyframeId keyframe, const SeamAlignment& alignment, MapId there, Map* map) {
-  Merger merger{map->Find(keyframe)->map, there, alignment.there_from_here};
-  if (merger.from < merger.into) {
-    merger = {merger.into, merger.from, merger.into_from.Inverse()};
+MapContents ContentsOf(MapId id, const Map& map) {
+  MapContents contents;
+  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
+    const Keyframe* keyframe = map.Find(KeyframeId(i));
+    if (keyframe && keyframe->map == id) contents.keyframes.push_back(keyframe->id);
   }
+  for (int32_t i = 0; i < map.point_end(); ++i) {
+    const MapPoint* point = map.Find(PointId(i));
+    if (point && point->map == id) contents.points.push_back(point->id);
+  }
+  for (int32_t i = 0; i < map.line_end(); ++i) {
+    const MapLine* line = map.Find(LineId(i));
+    if (line && line->map == id) contents.lines.push_back(line->id);
+  }
+  return contents;
+}
+
+void Transform(const MapContents& contents, const Sim3& to_from_from, Map* map) {
+  for (const KeyframeId id : contents.keyframes) {
+    if (const Keyframe* keyframe = map->Find(id)) {
+      map->SetPose(id, TransformWorld(keyframe->cam_from_world, to_from_from));
+    }
+  }
+  for (const PointId id : contents.points) {
+    if (const MapPoint* point = map->Find(id)) {
+      map->SetPosition(id, to_from_from * point->position);
+    }
+  }
+  for (const LineId id : contents.lines) {
+    if (const MapLine* line = map->Find(id)) {
+      map->SetEnds(id, to_from_from * line->start, to_from_from * line->end);
+    }
+  }
+}
+
+Merger MergerOf(MapId here, MapId there, const Sim3& there_from_here) {
+  return there < here ? Merger{here, there, there_from_here}
+                      : Merger{there, here, there_from_here.Inverse()};
+}
+
+void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, Map* map) {
   map->Transform(merger.from, merger.into_from);
   map->Absorb(merger.from, merger.into);
-  for (const CommonPoint& c : alignment.points) {
+  for (const CommonPoint& c : common) {
     // Two of them may have been one point there: fused by now.
     const MapPoint *here = map->Find(map->Resolve(c.here)),
                    *other = map->Find(map->Resolve(c.there));
@@ -234,7 +270,6 @@ Merger JoinMaps(KeyframeId keyframe, const SeamAlignment& alignment, MapId there
     const bool here_stays = here->observations.size() > other->observations.size();
     map->Fuse(here_stays ? other->id : here->id, here_stays ? here->id : other->id);
   }
-  return merger;
 }
 
 }  // namespace vpslam

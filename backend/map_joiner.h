@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
@@ -41,7 +42,22 @@ struct Merger {
   Sim3 into_from;
 };
 
-/// Brings the younger map into the older one's coordinates and into it, and fuses the points.
-Merger JoinMaps(KeyframeId keyframe, const SeamAlignment& alignment, MapId there, Map* map);
+/// All that a map has, to be found again when it has become part of another.
+struct MapContents {
+  std::vector<KeyframeId> keyframes;
+  std::vector<PointId> points;
+  std::vector<LineId> lines;
+};
+
+MapContents ContentsOf(MapId id, const Map& map);
+
+/// Moves what is left of it.
+void Transform(const MapContents& contents, const Sim3& to_from_from, Map* map);
+
+/// The younger map goes into the older one.
+Merger MergerOf(MapId here, MapId there, const Sim3& there_from_here);
+
+/// Brings one map into the other's coordinates and into it, and fuses the points.
+void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, Map* map);
 
 }  // namespace vpslam

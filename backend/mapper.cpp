@@ -166,12 +166,15 @@ class Mapper::Impl {
     const auto alignment =
         AlignSeam(id, proposal.seam, camera_, scales_, store_, options_.merging, map_);
     if (!alignment) return;
-    const Merger merger = JoinMaps(id, *alignment, map_.Resolve(proposal.seam.map), &map_);
+    Merger merger =
+        MergerOf(map_.Find(id)->map, map_.Resolve(proposal.seam.map), alignment->there_from_here);
     ManhattanFrame& manhattan = Manhattan(merger.into);
+    const auto turn = manhattan.TurnOf(Manhattan(merger.from), merger.into_from.rotation, map_);
+    if (turn && manhattan.Contradicts(*turn)) return;  // it looks like the place, but is another
+    const MapContents younger = ContentsOf(merger.from, map_);
+    JoinMaps(merger, alignment->points, &map_);
     manhattan.Absorb(Manhattan(merger.from), merger.into_from.rotation);
     manhattan_.erase(merger.from);
-    manhattan.Update(map_);  // names
-    mergers_[merger.from] = merger;
     std::vector<KeyframeId> around{id};
     for (const auto& [other, shared] : map_.Covisible(id, options_.ba.min_shared_points)) {
       if (static_cast<int>(around.size()) > options_.merging.neighbours_to_fuse) break;
@@ -180,6 +183,16 @@ class Mapper::Impl {
     for (const KeyframeId keyframe : around) {
       FusePoints(keyframe, camera_, bounds_, scales_, store_, options_.fuser, &map_);
     }
+    if (turn) {
+      // What lies at the seam may be bent, one of the maps ends there; the axes are not. Adjustment
+      // across the seam then straightens it between two ends that fit.
+      const Eigen::Vector3d seam = map_.Find(id)->cam_from_world.Center();
+      const Sim3 straightened{*turn, seam - *turn * seam, 1};
+      Transform(younger, straightened, &map_);
+      merger.into_from = straightened * merger.into_from;
+    }
+    mergers_[merger.from] = merger;
+    manhattan.Update(map_);  // names
     LocalBaOptions ba = options_.ba;
     ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
     AdjustLocally(id, camera_, scales_, store_, manhattan, ba, options_.merging.max_iterations,

@@ -92,6 +92,7 @@ struct LineMappingOptions {
   double min_ray_plane_angle_deg = 1.5;
   double max_depth_ratio = 2.0;  ///< of the depth that 90 % of the points stay below
   double min_depth_share = 0.3;  ///< of the depth that 95 % of the points exceed, see IsTooNear
+  int min_views_near = 5;        ///< that agree, of a line nearer than that depth
   double min_overlap = 0.5;      ///< of the shorter of two segments
   double max_offset_px = 4.0;    ///< between a segment and where a line is predicted
   int probation_keyframes = 3;   ///< as for points
@@ -106,6 +107,7 @@ struct LineMappingOptions {
     v("min_ray_plane_angle_deg", min_ray_plane_angle_deg);
     v("max_depth_ratio", max_depth_ratio);
     v("min_depth_share", min_depth_share);
+    v("min_views_near", min_views_near);
     v("min_overlap", min_overlap);
     v("max_offset_px", max_offset_px);
     v("probation_keyframes", probation_keyframes);
@@ -156,7 +158,7 @@ struct ManhattanOptions {
   /// The frame is born when as many keyframes in a row agree ...
   int keyframes_to_birth = 5;
   double max_birth_spread_deg = 1.5;  ///< ... each with their mean within this.
-  /// Of the last `loss_window` measurements: the frame is forgotten when fewer than half fit.
+  /// Of the last `loss_window` measurements: the frame is forgotten when fewer than half bind.
   int loss_window = 10;
 
   template <class V>

@@ -199,9 +199,15 @@ TEST(LineCreator, WhatIsFarBehindThePointsIsRefused) {
   }
 }
 
-TEST(LineCreator, WhatIsFarBeforeThePointsIsRefused) {
+TEST(LineCreator, WhatIsBeforeThePointsNeedsManyViewsAndWhatIsFarBeforeIsRefused) {
   // The points are 3 m away and more.
-  for (const double depth : {0.6, 1.5}) {
+  struct Case {
+    double depth;
+    int views;
+    bool is_created;
+  };
+  for (const auto& [depth, views, is_created] :
+       {Case{0.6, 5, false}, {1.5, 4, false}, {1.5, 5, true}, {4.5, 3, true}}) {
     SyntheticLineMap m(16, {.num_free = 0}, {});
     for (int i = 0; i < 12; ++i) {
       const int l =
@@ -209,10 +215,13 @@ TEST(LineCreator, WhatIsFarBeforeThePointsIsRefused) {
       m.lines.lines[l].start.y() = -0.2 * depth;
       m.lines.lines[l].end.y() = 0.2 * depth;
     }
-    for (const double x : {0.0, 0.15, 0.3}) m.AddKeyframe(PoseAt({depth * x, 0.1 * x, 0}));
+    for (int i = 0; i < views; ++i) {
+      const double x = 0.3 * i / (views - 1);
+      m.AddKeyframe(PoseAt({depth * x, 0.1 * x, 0}));
+    }
     m.map.AddPoints(0, 200);
-    ASSERT_GT(m.SeenBy(3).size(), 6u);
-    EXPECT_EQ(Create(m).empty(), depth < 1) << depth;
+    ASSERT_GT(m.SeenBy(views).size(), 6u);
+    EXPECT_EQ(Create(m).empty(), !is_created) << depth << ", " << views << " views";
   }
 }
 

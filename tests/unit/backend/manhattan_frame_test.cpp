@@ -2,6 +2,8 @@
 
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +139,76 @@ TEST_F(ManhattanFrameTest, IsForgottenWhenTheSceneIsAnother) {
   for (int i = 0; i < 10; ++i) AddKeyframe(other, 0.2);
   ASSERT_TRUE(frame_.world_from_manhattan());
   EXPECT_LT(Error_deg(other), 0.5);
+}
+
+TEST_F(ManhattanFrameTest, IsKeptWhereTheCameraSlips) {
+  for (int i = 0; i < 10; ++i) AddKeyframe(truth_, 0.1);
+  const double slip_deg = 0.5 * (options_.max_innovation_deg + options_.max_correction_deg);
+  for (int i = 0; i < 2 * options_.loss_window; ++i) {
+    AddKeyframe(truth_ * ExpSo3({slip_deg * kRadPerDeg, 0, 0}), 0.1);
+  }
+  ASSERT_TRUE(frame_.world_from_manhattan());
+  EXPECT_LT(Error_deg(truth_), 0.2);
+}
+
+/// Keyframes of this frame, and then those of another, whose world is turned and who see the axes
+/// askew by so much.
+class JoinedFramesTest : public ManhattanFrameTest {
+ protected:
+  void See(const std::vector<double>& askew_deg) {
+    for (int i = 0; i < 10; ++i) AddKeyframe(truth_, 0.1);
+    std::swap(frame_, other_);
+    for (const double askew : askew_deg) {
+      AddKeyframe(other_from_world_ * ExpSo3({0, askew * kRadPerDeg, 0}) * truth_, 0.1);
+    }
+    std::swap(frame_, other_);
+  }
+  std::optional<Eigen::Quaterniond> Turn() const {
+    return frame_.TurnOf(other_, other_from_world_.conjugate(), map_);
+  }
+
+  ManhattanFrame other_{options_};
+  const Eigen::Quaterniond other_from_world_ = ExpSo3({0.7, -1.1, 2});
+};
+
+TEST_F(JoinedFramesTest, TellHowFarTheOtherIsAskew) {
+  See(std::vector<double>(20, 5.0));
+  const auto turn = Turn();
+  ASSERT_TRUE(turn);
+  // 0.1 deg in each of three directions, from ten measurements and twenty.
+  EXPECT_LT(AngleBetween_rad(*turn, ExpSo3({0, -5 * kRadPerDeg, 0})), 0.15 * kRadPerDeg);
+  EXPECT_FALSE(frame_.Contradicts(*turn));
+}
+
+TEST_F(JoinedFramesTest, OutliersAreOutvoted) {
+  std::vector<double> askew(20, 5.0);
+  for (int i = 0; i < 6; ++i) askew[3 * i] = 15;
+  See(askew);
+  const auto turn = Turn();
+  ASSERT_TRUE(turn);
+  EXPECT_LT(AngleBetween_rad(*turn, ExpSo3({0, -5 * kRadPerDeg, 0})), 0.2 * kRadPerDeg);
+}
+
+TEST_F(JoinedFramesTest, AskewByMuchIsAContradiction) {
+  See(std::vector<double>(20, 20.0));
+  const auto turn = Turn();
+  ASSERT_TRUE(turn);
+  EXPECT_TRUE(frame_.Contradicts(*turn));
+}
+
+TEST_F(JoinedFramesTest, DisagreeingSayNothing) {
+  See({0, 5, -5, 10, -10, 15, -15, 20, -20});
+  EXPECT_FALSE(Turn());
+}
+
+TEST_F(JoinedFramesTest, FewSayNothing) {
+  See(std::vector<double>(options_.keyframes_to_birth - 1, 5.0));
+  EXPECT_FALSE(Turn());
+}
+
+TEST_F(JoinedFramesTest, WithoutAFrameThereIsNoTurn) {
+  See(std::vector<double>(20, 5.0));
+  EXPECT_FALSE(ManhattanFrame(options_).TurnOf(other_, other_from_world_.conjugate(), map_));
 }
 
 class OverconfidentTest : public ManhattanFrameTest, public testing::WithParamInterface<double> {

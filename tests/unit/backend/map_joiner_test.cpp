@@ -112,7 +112,8 @@ TEST(MapJoiner, TheYoungerMapJoinsTheOlder) {
   Map& map = m.maps.map;
   const int points = map.NumPoints(MapId(0)) + map.NumPoints(MapId(1));
   const Eigen::Vector3d anchor = map.Find(KeyframeId(0))->Center();
-  const Merger merger = JoinMaps(m.first_of_1(), *alignment, MapId(0), &map);
+  const Merger merger = MergerOf(MapId(1), MapId(0), alignment->there_from_here);
+  JoinMaps(merger, alignment->points, &map);
   EXPECT_EQ(merger.from, MapId(1));
   EXPECT_EQ(merger.into, MapId(0));
   EXPECT_EQ(map.Maps(), std::vector<MapId>{MapId(0)});
@@ -130,12 +131,43 @@ TEST(MapJoiner, FromTheOlderMapsSide) {
   const auto alignment = m.Align(m.Seam());
   ASSERT_TRUE(alignment);
   // The seam is a keyframe of map 0 that was found in map 1: the same pairs, the other way round.
-  SeamAlignment reversed{alignment->there_from_here.Inverse(), {}};
-  for (const CommonPoint& c : alignment->points) reversed.points.push_back({c.there, c.here});
-  const Merger merger = JoinMaps(KeyframeId(4), reversed, MapId(1), &m.maps.map);
+  std::vector<CommonPoint> reversed;
+  for (const CommonPoint& c : alignment->points) reversed.push_back({c.there, c.here});
+  const Merger merger = MergerOf(MapId(0), MapId(1), alignment->there_from_here.Inverse());
+  JoinMaps(merger, reversed, &m.maps.map);
   EXPECT_EQ(merger.from, MapId(1));
   EXPECT_EQ(merger.into, MapId(0));
   EXPECT_LT(Difference(merger.into_from, m.elsewhere.Inverse()), 0.03);
+}
+
+TEST(MapJoiner, WhatCameFromAMapMovesWithoutTheRest) {
+  TwoMaps m(5);
+  const auto alignment = m.Align(m.Seam());
+  ASSERT_TRUE(alignment);
+  Map& map = m.maps.map;
+  const LineId line = map.CreateLine(MapId(1), m.first_of_1(), {0, 0, 1}, {1, 0, 1});
+  const MapContents of_1 = ContentsOf(MapId(1), map);
+  EXPECT_EQ(of_1.keyframes.size(), 5u);
+  EXPECT_EQ(static_cast<int>(of_1.points.size()), map.NumPoints(MapId(1)));
+  EXPECT_EQ(of_1.lines, std::vector<LineId>{line});
+  JoinMaps(MergerOf(MapId(1), MapId(0), alignment->there_from_here), alignment->points, &map);
+  const Map before = map;
+  const Sim3 turn{ExpSo3({0, 0.05, 0}), {0.1, 0, 0}, 1};
+  Transform(of_1, turn, &map);
+  int moved = 0;
+  for (const auto& [id, view] : m.maps.views) {
+    const bool is_of_1 = id >= m.first_of_1();
+    const Eigen::Vector3d was = before.Find(id)->Center();
+    EXPECT_LT((map.Find(id)->Center() - (is_of_1 ? turn * was : was)).norm(), 1e-9);
+  }
+  for (const PointId id : of_1.points) {
+    if (!map.Find(id)) continue;  // fused into one of map 0
+    ++moved;
+    const Eigen::Vector3d expected = turn * before.Find(id)->position;
+    EXPECT_LT((map.Find(id)->position - expected).norm(), 1e-9);
+  }
+  EXPECT_GT(moved, 20);
+  EXPECT_LT((map.Find(line)->end - turn * before.Find(line)->end).norm(), 1e-9);
 }
 
 }  // namespace
