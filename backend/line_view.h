@@ -31,10 +31,10 @@ void UpdateDescriptor(LineId line, const KeyframeStore& store, Map* map);
 bool Fits(const MapLine& line, const SE3& cam_from_world, const LineSegment& segment,
           const Camera& camera);
 
-/// Whether the line lies nearer to the camera than `min_depth`, as far as it was seen. What is that
-/// much nearer than all points is no edge but segments of several, and moves in the image with the
-/// slightest step of the camera, so that it outweighs all points in saying what that step was. A
-/// line of an axis is let be: its direction does not depend on where it is.
+/// Whether the line lies nearer to the camera than `min_depth`, as far as it was seen. What is much
+/// nearer than all points is mostly no edge but segments of several, and moves in the image with
+/// the slightest step of the camera, so that it outweighs all points in saying what that step was.
+/// A line of an axis is let be: its direction does not depend on where it is.
 bool IsTooNear(const MapLine& line, const SE3& cam_from_world, double min_depth);
 
 }  // namespace vpslam

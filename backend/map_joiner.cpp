@@ -236,20 +236,22 @@ MapContents ContentsOf(MapId id, const Map& map) {
   return contents;
 }
 
-void Transform(const MapContents& contents, const Sim3& to_from_from, Map* map) {
+void Transform(const MapContents& contents, const SE3& new_from_old, Map* map) {
+  const SE3 old_from_new = new_from_old.Inverse();
   for (const KeyframeId id : contents.keyframes) {
     if (const Keyframe* keyframe = map->Find(id)) {
-      map->SetPose(id, TransformWorld(keyframe->cam_from_world, to_from_from));
+      map->SetPose(id, keyframe->cam_from_world * old_from_new);
     }
   }
   for (const PointId id : contents.points) {
     if (const MapPoint* point = map->Find(id)) {
-      map->SetPosition(id, to_from_from * point->position);
+      map->SetPosition(id, new_from_old * point->position);
+      map->SetView(id, new_from_old.rotation * point->normal, point->max_distance);
     }
   }
   for (const LineId id : contents.lines) {
     if (const MapLine* line = map->Find(id)) {
-      map->SetEnds(id, to_from_from * line->start, to_from_from * line->end);
+      map->SetEnds(id, new_from_old * line->start, new_from_old * line->end);
     }
   }
 }

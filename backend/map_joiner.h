@@ -52,7 +52,7 @@ struct MapContents {
 MapContents ContentsOf(MapId id, const Map& map);
 
 /// Moves what is left of it.
-void Transform(const MapContents& contents, const Sim3& to_from_from, Map* map);
+void Transform(const MapContents& contents, const SE3& new_from_old, Map* map);
 
 /// The younger map goes into the older one.
 Merger MergerOf(MapId here, MapId there, const Sim3& there_from_here);

@@ -187,12 +187,13 @@ class Mapper::Impl {
       // What lies at the seam may be bent, one of the maps ends there; the axes are not. Adjustment
       // across the seam then straightens it between two ends that fit.
       const Eigen::Vector3d seam = map_.Find(id)->cam_from_world.Center();
-      const Sim3 straightened{*turn, seam - *turn * seam, 1};
+      const SE3 straightened(*turn, seam - *turn * seam);
       Transform(younger, straightened, &map_);
-      merger.into_from = straightened * merger.into_from;
+      merger.into_from = Sim3{straightened.rotation, straightened.translation} * merger.into_from;
     }
     mergers_[merger.from] = merger;
     manhattan.Update(map_);  // names
+    map_.SetManhattan(merger.into, manhattan.world_from_manhattan());
     LocalBaOptions ba = options_.ba;
     ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
     AdjustLocally(id, camera_, scales_, store_, manhattan, ba, options_.merging.max_iterations,

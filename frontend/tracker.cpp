@@ -238,6 +238,7 @@ class Tracker::Impl {
     late_.Return({history_.begin(), history_.end()}, frame);
     history_.clear();
     bridge_.ForgetNearEnd();
+    whereabouts_.Forget();
     initializer_.Reset();
     paper_rotation_.Reset();
   }

@@ -129,8 +129,8 @@ struct RelocalizerOptions {
   int neighbours = 5;      ///< keyframes taken together with the one that was named
   int min_matches = 15;    ///< between frame and place
   /// Inliers, as a share of the points that the pose found makes visible. A place that only looks
-  /// like another one, a door like the next door, shows few of them: below 0.1 in a corridor, where
-  /// true returns in four sequences show 0.18 and more.
+  /// like another one, a door like the next door, shows few of them: mostly below 0.12 in a
+  /// corridor, where true returns in four sequences show 0.15 and more.
   double min_found_share = 0.12;
   /// The same where the camera can't have come in the time since it was seen (whereabouts.h).
   double min_found_share_far = 0.2;

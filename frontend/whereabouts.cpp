@@ -13,6 +13,7 @@ double ToSeconds(int64_t duration_us) { return 1e-6 * static_cast<double>(durati
 
 void Whereabouts::See(const Frame& frame) {
   constexpr int64_t kWindow_us = 1'000'000;
+  while (!sightings_.empty() && sightings_.back().stamp_us >= frame.stamp_us) sightings_.pop_back();
   sightings_.push_back({frame.stamp_us, frame.reference, frame.cam_from_reference});
   while (sightings_.front().stamp_us < frame.stamp_us - kWindow_us) sightings_.pop_front();
 }
@@ -21,25 +22,28 @@ bool Whereabouts::Allow(const Map& map, MapId map_id, const SE3& cam_from_world,
                         int64_t stamp_us) const {
   constexpr double kMaxSpeedUp = 3;
   constexpr double kMaxDepthsPerSecond = 1;
-  SE3 pose, last;
-  const auto placed = [&](const Sighting& s, SE3* to) {
-    return map.Place(s.reference, s.cam_from_reference, to) &&
-           map.FindEvenCulled(s.reference)->map == map_id;
+  SE3 first, last;
+  const auto place = [&map](const Sighting& s, SE3* to) {
+    return map.Place(s.reference, s.cam_from_reference, to);
   };
-  if (sightings_.empty() || !placed(sightings_.back(), &last)) return true;
-  const int64_t seen_us = sightings_.back().stamp_us;
-  double speed = 0;  // in map units per second
-  for (const Sighting& s : sightings_) {
-    const double duration_s = ToSeconds(seen_us - s.stamp_us);
-    if (duration_s <= 0 || !placed(s, &pose)) continue;
-    speed = (last.Center() - pose.Center()).norm() / duration_s;
-    break;
-  }
-  const Keyframe* reference = map.Find(map.LivingAncestor(sightings_.back().reference));
+  const auto latest = std::find_if(sightings_.rbegin(), sightings_.rend(),
+                                   [&](const Sighting& s) { return place(s, &last); });
+  if (latest == sightings_.rend() || latest->stamp_us >= stamp_us) return true;
+  const auto is_there = [&](const Sighting& s) {
+    return map.FindEvenCulled(s.reference)->map == map_id;
+  };
+  if (!is_there(*latest)) return true;
+  const auto earliest = std::find_if(sightings_.begin(), sightings_.end(), [&](const Sighting& s) {
+    return place(s, &first) && is_there(s);
+  });
+  const double duration_s = ToSeconds(latest->stamp_us - earliest->stamp_us);
+  const double speed =  // in map units per second
+      duration_s > 0 ? (last.Center() - first.Center()).norm() / duration_s : 0;
+  const Keyframe* reference = map.Find(map.LivingAncestor(latest->reference));
   const double depth = reference ? DepthQuantile(map, reference->id, 0.5) : 0;
   const double max_speed = std::max(kMaxSpeedUp * speed, kMaxDepthsPerSecond * depth);
   return (cam_from_world.Center() - last.Center()).norm() <=
-         max_speed * ToSeconds(stamp_us - seen_us);
+         max_speed * ToSeconds(stamp_us - latest->stamp_us);
 }
 
 }  // namespace vpslam

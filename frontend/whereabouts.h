@@ -17,9 +17,12 @@ class Whereabouts {
  public:
   /// A frame that was tracked, in order of time.
   void See(const Frame& frame);
+  /// The camera was found: how it came there says nothing of its speed.
+  void Forget() { sightings_.clear(); }
   /// Whether a camera that has this pose in `map_id` at this time fits to where it was seen last:
   /// at no more than three times the speed that it had, or the median depth of the scene in a
-  /// second, if that is more. True where nothing is known: never seen, or seen in another map.
+  /// second, if that is more. True where nothing is known: never seen, or seen in another map. A
+  /// sighting whose keyframe the map has not got yet does not count.
   bool Allow(const Map& map, MapId map_id, const SE3& cam_from_world, int64_t stamp_us) const;
 
  private:

@@ -117,8 +117,7 @@ class Supervisor:
         """Returns when no process is left; `faults` and `interrupts` say how it went."""
         player = self.children[self.order[0]]
         told, deadline = False, None
-        # Faults first: all may have ended since the last look.
-        while not self._find_faults() and self._needed() and self.interrupts < 2:
+        while self._needed() and not self._find_faults() and self.interrupts < 2:
             if self.interrupts == 1 and not told:
                 told, deadline = True, time.monotonic() + INTERRUPT_S
                 player.signal(signal.SIGINT)
@@ -129,6 +128,8 @@ class Supervisor:
                 break
             self._start_again()
             self._wait(self._restarts.wait_s(TICK_S))
+        if not self._needed():
+            self._find_faults()  # all may have ended since the last look
         if self._frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S

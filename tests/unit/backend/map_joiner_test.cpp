@@ -152,7 +152,7 @@ TEST(MapJoiner, WhatCameFromAMapMovesWithoutTheRest) {
   EXPECT_EQ(of_1.lines, std::vector<LineId>{line});
   JoinMaps(MergerOf(MapId(1), MapId(0), alignment->there_from_here), alignment->points, &map);
   const Map before = map;
-  const Sim3 turn{ExpSo3({0, 0.05, 0}), {0.1, 0, 0}, 1};
+  const SE3 turn(ExpSo3({0, 0.05, 0}), {0.1, 0, 0});
   Transform(of_1, turn, &map);
   int moved = 0;
   for (const auto& [id, view] : m.maps.views) {
@@ -165,6 +165,8 @@ TEST(MapJoiner, WhatCameFromAMapMovesWithoutTheRest) {
     ++moved;
     const Eigen::Vector3d expected = turn * before.Find(id)->position;
     EXPECT_LT((map.Find(id)->position - expected).norm(), 1e-9);
+    const Eigen::Vector3d normal = turn.rotation * before.Find(id)->normal;
+    EXPECT_LT((map.Find(id)->normal - normal).norm(), 1e-9);
   }
   EXPECT_GT(moved, 20);
   EXPECT_LT((map.Find(line)->end - turn * before.Find(line)->end).norm(), 1e-9);

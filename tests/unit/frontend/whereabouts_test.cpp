@@ -57,6 +57,30 @@ TEST_F(WhereaboutsTest, OfAnotherMapNothingIsKnown) {
   EXPECT_TRUE(Allows(whereabouts, 100 * depth, kSecond_us, MapId(1)));
 }
 
+TEST_F(WhereaboutsTest, AKeyframeThatIsNotInTheMapYetHidesNothing) {
+  Whereabouts whereabouts = Moving(0);
+  Frame frame = s.TrackedFrame(PoseAt({0, 0, 0}), 1);
+  frame.stamp_us = kSecond_us / 30;
+  frame.reference = KeyframeId(77);
+  whereabouts.See(frame);
+  EXPECT_FALSE(Allows(whereabouts, 1.05 * depth, kSecond_us));
+  EXPECT_TRUE(Allows(whereabouts, 0.95 * depth, kSecond_us));
+}
+
+TEST_F(WhereaboutsTest, AReturnIsNoMotion) {
+  Whereabouts whereabouts = Moving(100 * depth);
+  whereabouts.Forget();
+  EXPECT_TRUE(Allows(whereabouts, 1000 * depth, kSecond_us / 30));
+  Frame frame = s.TrackedFrame(PoseAt({0, 0, 0}), 1);
+  frame.stamp_us = kSecond_us / 30;
+  whereabouts.See(frame);
+  EXPECT_FALSE(Allows(whereabouts, 1.05 * depth, kSecond_us));
+}
+
+TEST_F(WhereaboutsTest, TimeThatGoesBackForbidsNothing) {
+  EXPECT_TRUE(Allows(Moving(0), 100 * depth, -kSecond_us));
+}
+
 TEST_F(WhereaboutsTest, FollowsCorrectionsOfTheMap) {
   const Whereabouts whereabouts = Moving(0);
   const double shift = 50 * depth;
