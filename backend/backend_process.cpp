@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kName = "backend";
 constexpr std::chrono::hours kForever{24 * 365};
 constexpr std::size_t kRequestCapacity = 16;
-// Parts of up to 60 kB: two of them fit the smallest receive buffer in use.
+// Parts of up to 48 kB: two of them fit the smallest receive buffer in use.
 constexpr int kMapWindow = 2;
 
 StreamWriterOptions Window(int window) {

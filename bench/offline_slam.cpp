@@ -1,5 +1,6 @@
-// The whole system in one process, in lockstep and without LCM: for profiling and debugging. What
-// it computes is what `scripts/vpslam run --pace lockstep` computes.
+// The whole system in one process, in lockstep and without LCM: for profiling, debugging and
+// measuring. What it computes is what `scripts/vpslam run` computes in lockstep, and without detector
+// what it computes with `--preset points`.
 #include <cstdio>
 #include <exception>
 
@@ -25,7 +26,7 @@ struct Arguments {
   uint64_t seed = 1;
   std::string config;
   std::vector<std::string> set;
-  bool detect = false;
+  bool no_detector = false;
   bool verbose = false;
 };
 
@@ -66,7 +67,7 @@ void Run(const Arguments& arguments) {
     image.pixels = frame->grey;
     LineSet lines;
     const auto detect = [&] { return &(lines = detector.Detect(image.pixels)); };
-    take(tracker.Track(image, arguments.detect ? GetLines(detect) : GetLines()));
+    take(tracker.Track(image, arguments.no_detector ? GetLines() : GetLines(detect)));
   }
   take(tracker.Finish());
   WriteResults(record, RunInfo(), ResultsFolder(arguments.out));
@@ -86,7 +87,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", arguments.seed);
   app.add_option("--config", arguments.config);
   app.add_option("--set", arguments.set);
-  app.add_flag("--detect", arguments.detect, "with lines and vanishing points");
+  app.add_flag("--no-detector", arguments.no_detector, "points alone, as --preset points");
   app.add_flag("--verbose", arguments.verbose);
   CLI11_PARSE(app, argc, argv);
   try {

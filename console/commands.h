@@ -9,7 +9,7 @@
 
 namespace vpslam {
 
-/// "pause", "resume", "step 5", "rate 0.5", "stop", "save", "reset", "camera", "show": the command,
+/// "pause", "resume", "step 5", "rate 0.5", "stop", "save", "camera", "show": the command,
 /// addressed to the process that obeys it. nullopt, with one line on what is wrong, for others.
 std::optional<Command> ParseCommand(const std::string& text, std::string* why);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
 #include <optional>
 #include <random>
 #include <utility>
@@ -15,11 +14,9 @@
 #include "frontend/initializer.h"
 #include "frontend/keyframe_policy.h"
 #include "frontend/late_tracker.h"
-#include "frontend/line_tracking.h"
-#include "frontend/local_map.h"
 #include "frontend/loss_bridge.h"
+#include "frontend/pose_tracker.h"
 #include "frontend/relocalizer.h"
-#include "frontend/rotation_refinement.h"
 #include "frontend/seam_finder.h"
 
 namespace vpslam {
@@ -44,7 +41,7 @@ class Tracker::Impl {
         context_{camera_, bounds_, scales_, map_},
         initializer_(camera_, scales_, options.initializer),
         late_(options),
-        paper_rotation_(camera_, options_.rotation),
+        poses_(context_, options_),
         relocalizer_(options),
         seams_(options.seams),
         rng_(seed) {}
@@ -160,8 +157,8 @@ class Tracker::Impl {
     Accept(std::move(frame));
     velocity_.reset();
     frames_since_keyframe_ = 0;
-    sightings_.clear();
-    paper_rotation_.Reset();
+    poses_.TakeSightings();
+    poses_.ForgetDirections();
   }
 
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
@@ -240,7 +237,7 @@ class Tracker::Impl {
     bridge_.ForgetNearEnd();
     whereabouts_.Forget();
     initializer_.Reset();
-    paper_rotation_.Reset();
+    poses_.ForgetDirections();
   }
 
   // ---- Tracking ----
@@ -249,11 +246,11 @@ class Tracker::Impl {
     Stopwatch stopwatch;
     if (const MapId present = map_.Resolve(map_id_); present != map_id_) {
       map_id_ = present;
-      paper_rotation_.Reset();  // it knows the world of the map that is no more
+      poses_.ForgetDirections();  // they are of a world that is no more
     }
     if (last_) FollowMap(map_, &*last_, velocity_ ? &*velocity_ : nullptr);
-    bool placed = state_ == TrackingState::kTracking && last_ &&
-                  (TrackWithMotion(&frame) || TrackWithKeyframe(&frame));
+    bool placed =
+        state_ == TrackingState::kTracking && last_ && poses_.TrackFrom(*last_, velocity_, &frame);
     bool relocalized = false;
     if (!placed && !on_probation_) {
       relocalized = placed =
@@ -261,7 +258,7 @@ class Tracker::Impl {
     }
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;
-    if (placed) placed = TrackLocalMap(&frame, &local);
+    if (placed) placed = poses_.TrackLocalMap(map_id_, rng_, &frame, &local);
     frame.times.local_map_ms = stopwatch.Lap_ms();
     ++frames_since_keyframe_;
     if (!placed) {
@@ -292,76 +289,10 @@ class Tracker::Impl {
     }
   }
 
-  bool TrackWithMotion(Frame* frame) {
-    const auto& motion = options_.motion;
-    const SE3 predicted = velocity_ ? *velocity_ * last_->cam_from_world : last_->cam_from_world;
-    for (const double factor : {1.0, 2.0}) {
-      frame->cam_from_world = predicted;
-      int matches = MatchLastFrame(context_, *last_, factor * motion.window_px, motion, frame);
-      matches += MatchLines(context_, LivingLines(map_, last_->map_lines), options_.lines,
-                            motion.window_px / options_.lines.window_px * factor, frame);
-      if (matches < motion.min_matches) continue;
-      OptimizeFrame(context_, options_.pose, frame);
-      if (frame->Support() >= motion.min_inliers) return true;
-    }
-    return false;
-  }
-
-  bool TrackWithKeyframe(Frame* frame) {
-    frame->cam_from_world = last_->cam_from_world;
-    KeyframeId keyframe = map_.LivingAncestor(last_->reference);
-    if (!keyframe.IsValid()) keyframe = map_.LivingAncestor(reference_in_map_);
-    if (MatchKeyframe(context_, keyframe, frame) < options_.motion.min_matches) return false;
-    OptimizeFrame(context_, options_.pose, frame);
-    return frame->Support() >= options_.motion.min_inliers;
-  }
-
-  bool TrackLocalMap(Frame* frame, LocalMap* local) {
-    *local = CollectLocalMap(map_, *frame, options_.local_map);
-    std::vector<PointId> visible;
-    MatchLocalMap(context_, *local, options_.local_map, 1.0, frame, &visible);
-    MatchLines(context_, local->lines, options_.lines, 1.0, frame);
-    OptimizeFrame(context_, options_.pose, frame, MeasuredRotation(*frame));
-    if (frame->Support() < options_.local_map.min_inliers) return false;
-    Overwrite(frame);
-    for (const PointId id : visible) ++sightings_[id].visible;
-    for (const PointId id : frame->points) {
-      if (id.IsValid()) ++sightings_[id].found;
-    }
-    reference_in_map_ = local->reference;
-    return HangOn(map_, local->reference, frame);
-  }
-
-  std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const {
-    const auto world_from_manhattan = map_.WorldFromManhattan(map_id_);
-    if (options_.rotation.mode != RotationMode::kFused || !frame.lines || !world_from_manhattan) {
-      return std::nullopt;
-    }
-    return MeasureRotation(*frame.lines, *world_from_manhattan, frame.cam_from_world.rotation,
-                           options_.rotation);
-  }
-
-  /// What the paper does after the pose was optimised.
-  void Overwrite(Frame* frame) {
-    Stopwatch stopwatch;
-    if (options_.rotation.mode == RotationMode::kPaper && frame->lines) {
-      paper_rotation_.Refine(*frame->lines, &frame->cam_from_world.rotation);
-      frame->times.rotation_ms = stopwatch.Lap_ms();
-    }
-    if (options_.translation != TranslationMode::kOff) {
-      RefineTranslation(context_, options_.translation, options_.local_map.min_inliers, rng_,
-                        frame);
-      frame->times.translation_ms = stopwatch.Lap_ms();
-    }
-  }
-
   void Propose(Frame* frame, Output* output) {
     KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId(), map_id_);
     proposal.discarded_map = std::exchange(discarded_map_, MapId());
-    for (const auto& [id, counts] : sightings_) {
-      proposal.sightings.push_back({id, counts.visible, counts.found});
-    }
-    sightings_.clear();
+    proposal.sightings = poses_.TakeSightings();
     frames_since_keyframe_ = 0;
     HangOnKeyframe(proposal.id, frame);
     output->keyframes.push_back(std::move(proposal));
@@ -429,10 +360,6 @@ class Tracker::Impl {
     return pose;
   }
 
-  struct SightingCounts {
-    int visible = 0, found = 0;
-  };
-
   Camera camera_;
   Camera::Bounds bounds_;
   TrackerOptions options_;
@@ -442,7 +369,7 @@ class Tracker::Impl {
   TrackingContext context_;
   Initializer initializer_;
   LateTracker late_;
-  PaperRotation paper_rotation_;
+  PoseTracker poses_;
   Relocalizer relocalizer_;
   Whereabouts whereabouts_;
   SeamFinder seams_;
@@ -458,9 +385,7 @@ class Tracker::Impl {
   int frames_since_keyframe_ = 0;
   int unanswered_ = 0;
   std::optional<Frame> last_;    ///< the last frame, while tracking
-  KeyframeId reference_in_map_;  ///< of the last frame, where that became a keyframe itself
   std::optional<SE3> velocity_;  ///< this frame's camera from the last one's
-  std::map<PointId, SightingCounts> sightings_;
   /// Frames that may be placed later: since before the map, until it has passed its probation;
   /// since the camera was lost.
   std::deque<Frame> history_;

@@ -1,6 +1,8 @@
 #include "recorder/record.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -124,7 +126,8 @@ class Recorder::Impl {
     asked_ = now;
     spdlog::info("map delta {} -> {} does not fit version {}: asking for a snapshot",
                  delta.base_version, delta.version, run_.map().version());
-    requests_.Publish({"recorder", run_.map().version()});
+    // Within a snapshot, which this one may have come into, versions are below 0.
+    requests_.Publish({"recorder", std::max<int64_t>(run_.map().version(), 0)});
   }
 
   void TakeStatuses() {

@@ -5,7 +5,7 @@
 //   trajectory_map2.txt... the like of further maps
 //   live_trajectory.txt    poses as published when their turn came
 //   keyframes.txt          keyframes kept in the main map, TUM format
-//   map.ply                its points and keyframes
+//   map.ply                its points and keyframes, and lines by their end points
 //   frames.csv             a line per frame: state, inliers, ms per stage
 //   keyframes.csv          a line per keyframe: ms per stage
 //   summary.json           the figures of the run

@@ -7,7 +7,7 @@ namespace vpslam {
 namespace {
 
 // A part stays below one UDP datagram (65 kB), so that no message is ever fragmented: losing a
-// fragment loses the message, and the kernel may cap the buffer at 212 kB.
+// fragment loses the message, and the kernel may cap the buffer at 213 kB.
 constexpr size_t kMaxPartBytes = 48'000;
 constexpr size_t kKeyframeBytes = 160;
 constexpr size_t kObservationBytes = 8;

@@ -8,7 +8,6 @@ namespace vpslam {
 
 enum class CommandAction : int32_t {
   kStop = 1,        ///< end the sequence now, as if it were over; results are written
-  kReset = 2,       ///< frontend: drop the map, start a new one
   kSaveNow = 3,     ///< recorder: write the results so far
   kSendCamera = 4,  ///< player: repeat the camera message at once
   kPause = 5,       ///< player: send nothing more until kResume or kStep

@@ -2,7 +2,7 @@
 //
 // Deltas hold absolute values, so that applying one twice does no harm. `version` counts them; a
 // replica applies a delta when base_version is the version it has, and asks for a snapshot else.
-// A large change travels in parts of at most kMaxPartBytes; versions count parts.
+// A large change travels in parts that fit a datagram; versions count parts.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ struct ProcessOptions {
   bool IsRecorded() const { return record != "none"; }
 };
 
-/// "0.1.0 (commit abc1234, protocol 1)"
+/// "0.1.0 (commit abc1234, protocol 3)"
 std::string VersionLine();
 /// git commit at configure time, or "unknown".
 std::string GitCommit();

@@ -365,8 +365,9 @@ Fault Validate(const Command& command) {
   Checker check;
   check.Require(command.target.empty() || IsProcessName(command.target), "alien process name");
   const auto action = static_cast<int32_t>(command.action);
-  check.Require(action >= static_cast<int32_t>(CommandAction::kStop) &&
-                    action <= static_cast<int32_t>(CommandAction::kShow),
+  check.Require(command.action == CommandAction::kStop ||
+                    (action >= static_cast<int32_t>(CommandAction::kSaveNow) &&
+                     action <= static_cast<int32_t>(CommandAction::kShow)),
                 "unknown action");
   check.Require(command.value >= 0 && command.value <= kMaxCommandValue, "value out of range");
   return check.fault();

@@ -23,7 +23,7 @@ namespace vpslam::simulator {
 /// before.
 class Simulator {
  public:
-  /// Builds the scene, which takes about a second. See ParseSpec for `spec` and what it throws.
+  /// Builds the scene, which takes some two seconds. See ParseSpec for `spec` and what it throws.
   static Simulator Create(const std::string& spec);
   explicit Simulator(const Spec& spec);
 

@@ -4,114 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "core/estimation/pose_optimizer.h"
 #include "core/geometry/sim3.h"
-#include "tests/unit/synthetic_scene.h"
+#include "tests/unit/backend/ideal_frontend.h"
 
 namespace vpslam {
 namespace {
 
-/// Knows which feature shows what, measures poses in its replica as tracking does, and makes
-/// keyframes of all views.
-class IdealFrontend {
- public:
-  IdealFrontend(uint64_t seed, const SyntheticOptions& options)
-      : scene(seed, options), mapper(scene.camera, MapperOptions()) {}
-
-  SyntheticScene scene;
-  Mapper mapper;
-  Map replica;
-  std::map<KeyframeId, SyntheticView> views;
-  std::string bytes;  ///< of all deltas
-  std::vector<MapDelta> last_answer;
-
-  void Send(const KeyframeProposal& proposal) {
-    last_answer = mapper.Process(proposal);
-    bytes += BytesOf(last_answer);
-    for (const MapDelta& delta : last_answer) ASSERT_TRUE(replica.Apply(delta));
-    ASSERT_EQ(last_answer.back().answers, proposal.id);
-    ASSERT_EQ(replica.version(), mapper.version());
-  }
-  void Start(const SE3& a, const SE3& b, MapId discarded = MapId()) {
-    map_ = MapId(map_.value + 1);
-    world_ = a;
-    KeyframeProposal first = Propose(scene.Look(a)), second = Propose(scene.Look(b));
-    first.role = KeyframeRole::kMapFirst;
-    first.discarded_map = discarded;
-    second.role = KeyframeRole::kMapSecond;
-    const SyntheticView &view_a = views.at(first.id), &view_b = views.at(second.id);
-    second.cam_from_world = b * a.Inverse();
-    for (int f = 0; f < view_a.features.size(); ++f) {
-      const int g = view_a.point[f] < 0 ? -1 : view_b.FeatureOf(view_a.point[f]);
-      if (g < 0) continue;
-      const Eigen::Vector3d x = a * scene.points[view_a.point[f]].position;
-      second.initial_points.push_back({f, g, x + scene.NormalVector(0.03)});
-    }
-    Send(first);
-    Send(second);
-  }
-  void Add(const SE3& truth) {
-    KeyframeProposal proposal = Propose(scene.Look(truth));
-    const SyntheticView& view = views.at(proposal.id);
-    std::map<int, PointId> known;
-    for (int32_t i = 0; i < replica.point_end(); ++i) {
-      const MapPoint* point = replica.Find(PointId(i));
-      if (point && point->map == map_ && TruthOf(*point) >= 0) known[TruthOf(*point)] = point->id;
-    }
-    PoseMeasurements measurements;
-    std::vector<int> features;
-    for (int f = 0; f < view.features.size(); ++f) {
-      const auto at = known.find(view.point[f]);
-      if (at == known.end()) continue;
-      const Keypoint& k = view.features.keypoints[f];
-      measurements.points.push_back(
-          {replica.Find(at->second)->position, k.Position(),
-           Eigen::Matrix2d::Identity() / scene.scales.sigma_px(k.octave)});
-      features.push_back(f);
-      proposal.points[f] = at->second;
-      proposal.sightings.push_back({at->second, 1, 1});
-    }
-    const PoseEstimate pose = OptimizePose(
-        scene.camera, measurements, scene.Disturbed(truth * world_.Inverse(), 0.02, 0.005), {});
-    proposal.cam_from_world = pose.cam_from_world;
-    for (size_t i = 0; i < features.size(); ++i) {
-      if (!pose.inliers[i]) proposal.points[features[i]] = PointId();
-    }
-    proposal.reference = KeyframeId(proposal.id.value - 1);
-    Send(proposal);
-  }
-  /// What most of its observations show.
-  int TruthOf(const MapPoint& point) const {
-    std::map<int, int> votes;
-    for (const Observation& o : point.observations) ++votes[views.at(o.keyframe).point[o.feature]];
-    const auto most = std::max_element(votes.begin(), votes.end(),
-                                       [](auto& a, auto& b) { return a.second < b.second; });
-    return most == votes.end() ? -1 : most->first;
-  }
-
- private:
-  KeyframeProposal Propose(const SyntheticView& view) {
-    KeyframeProposal proposal;
-    proposal.id = KeyframeId(next_++);
-    proposal.map = map_;
-    proposal.frame_seq = 7 * proposal.id.value;
-    proposal.features = view.features;
-    proposal.points.resize(view.features.size());
-    views[proposal.id] = view;
-    return proposal;
-  }
-
-  MapId map_;
-  SE3 world_;  ///< of the map, from that of the scene
-  int32_t next_ = 0;
-};
-
 constexpr int kViews = 24;
-SE3 OnTheWay(int i) {
-  return PoseAt({0.25 * i, 0.15 * std::sin(0.7 * i), 0.1 * std::cos(0.5 * i)},
-                {0.02 * std::sin(i), 0.1 * std::sin(0.4 * i), 0.03 * std::cos(i)});
-}
-
 std::unique_ptr<IdealFrontend> Walk(uint64_t seed, const SyntheticOptions& options) {
   auto frontend = std::make_unique<IdealFrontend>(seed, options);
   frontend->Start(OnTheWay(0), OnTheWay(2));

@@ -53,7 +53,7 @@ TEST_F(PreviewPublisherTest, CostsNothingUnlessAskedFor) {
   EXPECT_FALSE(inbox_->HasMessage());
   Publisher<Command> commands(*bus_, kCommandChannel);
   commands.Publish({"backend", CommandAction::kShow});
-  commands.Publish({"frontend", CommandAction::kReset});
+  commands.Publish({"frontend", CommandAction::kStop});
   EXPECT_EQ(OfferFrames(publisher, 10), 0);
   commands.Publish({"frontend", CommandAction::kShow});
   ASSERT_TRUE(bus_->WaitFor(

@@ -134,6 +134,30 @@ TEST_F(RecordTest, AsksForASnapshotWhenADeltaDoesNotFit) {
   EXPECT_EQ(std::count(keyframes.begin(), keyframes.end(), '\n'), 2);
 }
 
+TEST_F(RecordTest, AsksForAnotherSnapshotWhenOneBreaksOff) {
+  Inbox<MapRequest> requests(*bus_, kMapRequestChannel, Inbox<MapRequest>::kUnbounded);
+  MapDelta first_part = FirstDelta();
+  first_part.snapshot = true;
+  first_part.version = -1;
+  ASSERT_TRUE(deltas_->Send(first_part));
+  MapDelta of_another_backend = FirstDelta();
+  of_another_backend.base_version = 7;
+  of_another_backend.version = 8;
+  ASSERT_TRUE(deltas_->Send(of_another_backend));
+  ASSERT_TRUE(bus_->WaitFor([&] { return requests.HasMessage(); }, seconds(10)));
+  EXPECT_EQ(requests.TryTake()->value.map_version, 0);
+  MapDelta snapshot = FirstDelta();
+  snapshot.snapshot = true;
+  snapshot.version = 8;
+  ASSERT_TRUE(deltas_->Send(snapshot));
+  ASSERT_TRUE(deltas_->SendEnd());
+  ASSERT_TRUE(poses_->SendEnd());
+  Join();
+  EXPECT_TRUE(complete_);
+  const std::string keyframes = Read("keyframes.txt");
+  EXPECT_EQ(std::count(keyframes.begin(), keyframes.end(), '\n'), 1);
+}
+
 TEST_F(RecordTest, SavesOnCommandAndGoesOn) {
   Publisher<Command> commands(*bus_, kCommandChannel);
   ASSERT_TRUE(deltas_->Send(FirstDelta()));

@@ -231,7 +231,7 @@ class RandomMessages {
     a.done = a.received - Int(0, 5);
     return a;
   }
-  Command SomeCommand() { return {"player", static_cast<CommandAction>(Int(1, 9)), Real(0, 99)}; }
+  Command SomeCommand() { return {"player", static_cast<CommandAction>(Int(3, 9)), Real(0, 99)}; }
   RunDescription SomeRunDescription() {
     return {static_cast<uint64_t>(Long()), "abc1234", "{\"preset\": \"points\"}"};
   }
