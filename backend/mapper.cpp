@@ -16,6 +16,7 @@
 #include "backend/point_fuser.h"
 #include "backend/point_view.h"
 #include "core/base/stopwatch.h"
+#include "core/features/octave_check.h"
 #include "core/map/map.h"
 
 namespace vpslam {
@@ -33,6 +34,7 @@ class Mapper::Impl {
   std::vector<MapDelta> Process(const KeyframeProposal& proposal, const IsUrgent& is_urgent) {
     Stopwatch total;
     MappingTimes times;
+    CheckOctaves(proposal.features, scales_, "backend.orb.num_levels");
     if (proposal.discarded_map.IsValid()) Discard(proposal.discarded_map);
     switch (proposal.role) {
       case KeyframeRole::kMapFirst:

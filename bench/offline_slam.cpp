@@ -1,6 +1,6 @@
 // The whole system in one process, in lockstep and without LCM: for profiling, debugging and
-// measuring. What it computes is what `scripts/vpslam run` computes in lockstep, and without detector
-// what it computes with `--preset points`.
+// measuring. What it computes is what `scripts/vpslam run` computes in lockstep, and without
+// detector what it computes with `--preset points`.
 #include <cstdio>
 #include <exception>
 

@@ -113,7 +113,10 @@ int main(int argc, char** argv) {
       words.empty() ? GiveWhatIsTyped(url)
                     : Give(url, fmt::format("{}", fmt::join(words, " ")), every_s);
     }
-    if (*log) std::puts(SummarizeLog(path).dump(2).c_str());
+    if (*log)
+      std::puts(SummarizeLog(path)
+                    .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                    .c_str());
     return kExitOk;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "console: %s\n", e.what());

@@ -70,6 +70,10 @@ void LineDispatch::AddAnswer(int64_t id, int64_t frame_seq, Time now) {
   answered_.insert(frame_seq);
 }
 
+void LineDispatch::AskAgain(int64_t frame_seq) {
+  if (answered_.erase(frame_seq) > 0) images_.try_emplace(frame_seq);
+}
+
 void LineDispatch::Pass(int64_t frame_seq) {
   passed_ = std::max(passed_, frame_seq);
   images_.erase(images_.begin(), images_.upper_bound(passed_));

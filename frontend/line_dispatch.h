@@ -55,6 +55,8 @@ class LineDispatch {
   void RemoveDetector(int64_t detector);
   /// Lines came from a detector.
   void AddAnswer(int64_t detector, int64_t frame_seq, Time now);
+  /// The lines that came were not those of this image.
+  void AskAgain(int64_t frame_seq);
   /// Lines of this image and those before are needed no more.
   void Pass(int64_t frame_seq);
 

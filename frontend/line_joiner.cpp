@@ -32,6 +32,13 @@ LineJoiner::Verdict LineJoiner::Look(int64_t frame_seq, int64_t stamp_us, int64_
   return waited_ms < options_.deadline_ms ? Verdict::kWait : Verdict::kGoOn;
 }
 
+bool LineJoiner::DropAlien(int64_t frame_seq, int64_t stamp_us) {
+  const auto found = kept_.find(frame_seq);
+  if (found == kept_.end() || found->second.stamp_us == stamp_us) return false;
+  kept_.erase(found);
+  return true;
+}
+
 std::optional<LineSet> LineJoiner::Take(int64_t frame_seq, int64_t stamp_us) {
   std::optional<LineSet> lines;
   const auto found = kept_.find(frame_seq);

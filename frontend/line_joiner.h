@@ -39,6 +39,9 @@ class LineJoiner {
   /// `stamp_us` is the image's: lines with another belong to another sequence and are not its own.
   /// `now_us` and `published_us` are of one clock.
   Verdict Look(int64_t frame_seq, int64_t stamp_us, int64_t published_us, int64_t now_us) const;
+  /// Forgets lines of this number that are another sequence's; true if there were any, so that the
+  /// image's own have to be asked for again.
+  bool DropAlien(int64_t frame_seq, int64_t stamp_us);
   /// The lines of the image, if they are there. This image and all before it are passed then.
   std::optional<LineSet> Take(int64_t frame_seq, int64_t stamp_us);
 

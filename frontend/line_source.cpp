@@ -62,6 +62,10 @@ void LineSource::Restart() {
 
 LineJoiner::Verdict LineSource::Look(const ImageFrame& image) {
   const std::lock_guard lock(mutex_);
+  if (joiner_.DropAlien(image.frame_seq, image.stamp_us)) {
+    dispatch_.AskAgain(image.frame_seq);
+    AskLocked();
+  }
   return joiner_.Look(image.frame_seq, image.stamp_us, image.published_us, MonotonicMicroseconds());
 }
 

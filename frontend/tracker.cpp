@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
+#include "core/features/octave_check.h"
 #include "core/features/orb_extractor.h"
 #include "core/map/map.h"
 #include "frontend/frame.h"
@@ -109,6 +110,7 @@ class Tracker::Impl {
     frame.stamp_us = features.stamp_us;
     frame.published_us = features.published_us;
     frame.features = std::move(features.features);
+    CheckOctaves(frame.features, scales_, "frontend.orb.num_levels");
     frame.grid = FeatureGrid(frame.features.keypoints, bounds_);
     frame.points.resize(frame.features.size());
     frame.times.decode_ms = features.decode_ms;

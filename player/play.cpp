@@ -226,8 +226,9 @@ class Player {
   }
 
   void End() {
-    if (WaitUntilConsumed() && frames_->SendEnd() && WaitUntilConsumed() && truths_.SendEnd() &&
-        truths_.WaitAllAcked(kForever)) {
+    // From the end on consumers may be gone, and rightly so: their acknowledgements tell.
+    if (WaitUntilConsumed() && frames_->SendEnd() && frames_->WaitAllAcked(kForever) &&
+        truths_.SendEnd() && truths_.WaitAllAcked(kForever)) {
       return;
     }
     spdlog::warn("interrupted before the end of the sequence was acknowledged");

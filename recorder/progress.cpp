@@ -60,7 +60,8 @@ std::string ProgressLine(const RunRecord& run) {
     const bool runs = status.state == ProcessState::kRunning;
     if (runs && !status.message.empty()) line["messages"][status.process] = status.message;
   }
-  return line.dump();
+  // What processes say may name a file whose name is not UTF-8.
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace vpslam

@@ -72,14 +72,11 @@ class Recorder::Impl {
 
   bool Run(const std::atomic<bool>& stop) {
     status_.SetState(ProcessState::kReady);
-    std::optional<Clock::time_point> give_up;
-    while (!Ended() && !bus_.interrupted()) {
-      if (!give_up && (stop || stopped_)) give_up = Clock::now() + kWaitForEndWhenStopped;
-      if (give_up && Clock::now() >= *give_up) break;
-      bus_.WaitFor([&] { return HasWork() || Ended() || (stop && !give_up); }, kProgressInterval);
-      Work();
-      ShowProgress(false);
-      std::this_thread::sleep_for(kRest);
+    std::exception_ptr broken;
+    try {
+      Follow(stop);
+    } catch (...) {
+      broken = std::current_exception();  // what came until then is not lost
     }
     const bool complete = Ended();
     bus_.WaitFor(
@@ -90,6 +87,7 @@ class Recorder::Impl {
         kWaitForStatuses);
     if (log_) log_->Close();
     Write();
+    if (broken) std::rethrow_exception(broken);
     ShowProgress(true);
     if (log_ && log_->error()) throw std::runtime_error(*log_->error());
     return complete;
@@ -99,6 +97,18 @@ class Recorder::Impl {
   bool Ended() const {
     return poses_.Ended() && deltas_.Ended() && (!log_ || log_->StreamsEnded());
   }
+  void Follow(const std::atomic<bool>& stop) {
+    std::optional<Clock::time_point> give_up;
+    while (!Ended() && !bus_.interrupted()) {
+      if (!give_up && (stop || stopped_)) give_up = Clock::now() + kWaitForEndWhenStopped;
+      if (give_up && Clock::now() >= *give_up) break;
+      bus_.WaitFor([&] { return HasWork() || Ended() || (stop && !give_up); }, kProgressInterval);
+      Work();
+      ShowProgress(false);
+      std::this_thread::sleep_for(kRest);
+    }
+  }
+
   bool HasWork() const {
     return poses_.HasMessage() || deltas_.HasMessage() || statuses_.HasMessage() ||
            commands_.HasMessage();

@@ -25,7 +25,9 @@ std::map<std::string, std::string> MakeResults(const RunRecord& run, const RunIn
   if (const auto& jpeg = run.preview().jpeg; !jpeg.empty()) {
     files["preview.jpg"] = std::string(jpeg.begin(), jpeg.end());
   }
-  files["summary.json"] = Summary(run, info).dump(2) + "\n";
+  files["summary.json"] =
+      Summary(run, info).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+      "\n";
   return files;
 }
 

@@ -1,8 +1,10 @@
 #include "core/base/decode_image.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -35,6 +37,9 @@ bool IsTruncatedPng(const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 DecodedImage DecodeGrey(const std::string& path) {
+  std::error_code unknown;
+  // Which can be opened, and claims to be of any size.
+  if (std::filesystem::is_directory(path, unknown)) return {{}, "is a folder"};
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return {{}, "is missing or cannot be opened"};
   const std::streamoff size = file.tellg();

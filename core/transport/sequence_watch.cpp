@@ -22,7 +22,7 @@ SequenceWatch::Verdict SequenceWatch::See(const Header& header) {
     verdict.is_new = false;
     return verdict;
   }
-  verdict.missed = header.seq - sender.last_seq - 1;
+  verdict.missed = std::min(header.seq - sender.last_seq - 1, kMaxMissed);
   sender.last_seq = header.seq;
   senders_.erase(found);
   senders_.push_back(sender);

@@ -11,6 +11,9 @@
 
 namespace vpslam {
 
+/// More are not counted at a time, so that an alien sender can't make the count overflow.
+inline constexpr int64_t kMaxMissed = 1'000'000'000;
+
 class SequenceWatch {
  public:
   struct Verdict {

@@ -42,7 +42,7 @@ class StreamReaderCore::Impl {
     }
     if (header.oldest_seq > next_) {
       // Only a reader that the writer does not wait for can miss something for good.
-      bus_.counters().gaps += header.oldest_seq - next_;
+      bus_.counters().gaps += std::min(header.oldest_seq - next_, kMaxMissed);
       next_ = header.oldest_seq;
       done_ = std::max(done_, next_ - 1);
     }

@@ -15,6 +15,9 @@ constexpr double kMaxCommandValue = 1e9;
 constexpr double kMaxPixel = 1e6;        // undistorted pixels may lie far outside the image
 constexpr double kUnitTolerance = 1e-3;  // of norms
 constexpr int kMaxOctave = 32;
+// Ids are indices of what grows to hold them.
+constexpr int32_t kMaxId = 1 << 24;
+constexpr int64_t kMaxSeq = int64_t{1} << 61;  // sums of some have to fit, too
 
 bool IsNameCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.';
@@ -39,7 +42,8 @@ class Checker {
 };
 
 bool InRange(double value, double limit) { return std::abs(value) <= limit; }  // false for NaN
-bool IsIdOrNone(int32_t id) { return id >= -1; }
+bool IsId(int32_t id) { return id >= 0 && id <= kMaxId; }
+bool IsIdOrNone(int32_t id) { return id == -1 || IsId(id); }
 
 template <class Vector>
 bool AllInRange(const Vector& v, double limit) {
@@ -114,7 +118,7 @@ bool IsImageSegmentName(const std::string& name) {
 
 Fault Validate(const Header& header) {
   Checker check;
-  check.Require(header.seq >= 0, "negative sequence number");
+  check.Require(header.seq >= 0 && header.seq <= kMaxSeq, "sequence number out of range");
   check.Require(header.oldest_seq >= 0 && header.oldest_seq <= header.seq,
                 "oldest sequence number out of range");
   return check.fault();
@@ -210,9 +214,9 @@ Fault Validate(const FramePose& pose) {
   check.Require(IsIdOrNone(pose.map.value) && IsIdOrNone(pose.reference.value) &&
                     IsIdOrNone(pose.keyframe.value),
                 "id out of range");
-  check.Require(
-      pose.state != TrackingState::kTracking || (pose.map.IsValid() && pose.reference.IsValid()),
-      "a tracked pose needs a map and a reference keyframe");
+  check.Require(pose.state != TrackingState::kTracking ||
+                    (IsId(pose.map.value) && IsId(pose.reference.value)),
+                "a tracked pose needs a map and a reference keyframe");
   check.Require(IsPose(pose.cam_from_world), "cam_from_world is no pose");
   check.Require(IsPose(pose.cam_from_reference), "cam_from_reference is no pose");
   check.Require(pose.covariance.allFinite(), "covariance not finite");
@@ -230,7 +234,7 @@ Fault Validate(const Truth& truth) {
 
 Fault Validate(const KeyframeProposal& k) {
   Checker check;
-  check.Require(k.id.IsValid() && k.map.IsValid(), "a keyframe needs an id and a map");
+  check.Require(IsId(k.id.value) && IsId(k.map.value), "a keyframe needs an id and a map");
   check.Require(k.role == KeyframeRole::kRegular || k.role == KeyframeRole::kMapFirst ||
                     k.role == KeyframeRole::kMapSecond,
                 "unknown role");
@@ -246,7 +250,7 @@ Fault Validate(const KeyframeProposal& k) {
                 "point id out of range");
   for (std::size_t i = 0; i < k.sightings.size() && !check.fault(); ++i) {
     const PointSighting& s = k.sightings[i];
-    check.Require(s.point.IsValid() && s.found >= 0 && s.visible >= 0, "sighting", i,
+    check.Require(IsId(s.point.value) && s.found >= 0 && s.visible >= 0, "sighting", i,
                   "out of range");
   }
   check.Require(k.role == KeyframeRole::kMapSecond || k.initial_points.empty(),
@@ -270,8 +274,8 @@ Fault Validate(const KeyframeProposal& k) {
   check.Require(IsIdOrNone(k.seam.map.value) && IsPose(k.seam.cam_from_world), "seam out of range");
   for (std::size_t i = 0; i < k.seam.points.size() && !check.fault(); ++i) {
     const auto& p = k.seam.points[i];
-    check.Require(p.feature >= 0 && p.feature < num_features && p.landmark.IsValid(), "seam point",
-                  i, "out of range");
+    check.Require(p.feature >= 0 && p.feature < num_features && IsId(p.landmark.value),
+                  "seam point", i, "out of range");
   }
   return check.fault();
 }
@@ -283,24 +287,24 @@ Fault Validate(const MapDelta& d) {
   check.Require(IsIdOrNone(d.answers.value), "id out of range");
   check.Add(ValidateTimes(d.times));
   check.Require(std::all_of(d.erased_maps.begin(), d.erased_maps.end(),
-                            [](MapId id) { return id.IsValid(); }),
+                            [](MapId id) { return IsId(id.value); }),
                 "id of an erased map out of range");
   for (std::size_t i = 0; i < d.merged_maps.size() && !check.fault(); ++i) {
     const MapMerger& m = d.merged_maps[i];
-    check.Require(m.from.IsValid() && m.into.IsValid() && m.from != m.into, "merger", i,
+    check.Require(IsId(m.from.value) && IsId(m.into.value) && m.from != m.into, "merger", i,
                   "id out of range");
   }
   for (std::size_t i = 0; i < d.keyframes.size() && !check.fault(); ++i) {
     const KeyframeState& k = d.keyframes[i];
-    check.Require(k.id.IsValid() && k.map.IsValid() && IsIdOrNone(k.parent.value), "keyframe", i,
-                  "id out of range");
+    check.Require(IsId(k.id.value) && IsId(k.map.value) && IsIdOrNone(k.parent.value), "keyframe",
+                  i, "id out of range");
     check.Require(k.frame_seq >= 0, "keyframe", i, "negative frame number");
     check.Require(IsPose(k.cam_from_world) && IsPose(k.cam_from_parent), "keyframe", i,
                   "pose out of range");
     check.Require(k.unit > 0 && k.unit <= kMaxLength, "keyframe", i, "unit out of range");
     const auto is_sound = [](const auto& o) {
       return o.feature >= 0 && o.feature < static_cast<int32_t>(kMaxFeatures) &&
-             o.landmark.IsValid();
+             IsId(o.landmark.value);
     };
     check.Require(std::all_of(k.points.begin(), k.points.end(), is_sound) &&
                       std::all_of(k.lines.begin(), k.lines.end(), is_sound),
@@ -308,12 +312,12 @@ Fault Validate(const MapDelta& d) {
   }
   for (std::size_t i = 0; i < d.appearances.size() && !check.fault(); ++i) {
     const PointAppearance& a = d.appearances[i];
-    check.Require(a.id.IsValid() && a.map.IsValid() && IsIdOrNone(a.reference.value), "appearance",
-                  i, "id out of range");
+    check.Require(IsId(a.id.value) && IsId(a.map.value) && IsIdOrNone(a.reference.value),
+                  "appearance", i, "id out of range");
   }
   for (std::size_t i = 0; i < d.geometries.size() && !check.fault(); ++i) {
     const PointGeometry& g = d.geometries[i];
-    check.Require(g.id.IsValid(), "geometry", i, "id out of range");
+    check.Require(IsId(g.id.value), "geometry", i, "id out of range");
     check.Require(AllInRange(g.position, kMaxLength), "geometry", i, "position out of range");
     check.Require(AllInRange(g.normal, 1 + kUnitTolerance), "geometry", i, "normal out of range");
     check.Require(g.max_distance >= 0 && g.max_distance <= kMaxLength, "geometry", i,
@@ -321,7 +325,7 @@ Fault Validate(const MapDelta& d) {
   }
   for (std::size_t i = 0; i < d.lines.size() && !check.fault(); ++i) {
     const LineState& l = d.lines[i];
-    check.Require(l.id.IsValid() && l.map.IsValid() && IsIdOrNone(l.reference.value), "line", i,
+    check.Require(IsId(l.id.value) && IsId(l.map.value) && IsIdOrNone(l.reference.value), "line", i,
                   "id out of range");
     check.Require(AllInRange(l.start, kMaxLength) && AllInRange(l.end, kMaxLength), "line", i,
                   "end point out of range");
@@ -330,7 +334,7 @@ Fault Validate(const MapDelta& d) {
   const auto check_tombstones = [&check](const auto& tombstones) {
     for (std::size_t i = 0; i < tombstones.size() && !check.fault(); ++i) {
       const auto& t = tombstones[i];
-      check.Require(t.id.IsValid() && IsIdOrNone(t.replacement.value) && t.replacement != t.id,
+      check.Require(IsId(t.id.value) && IsIdOrNone(t.replacement.value) && t.replacement != t.id,
                     "tombstone", i, "id out of range");
     }
   };
@@ -338,7 +342,7 @@ Fault Validate(const MapDelta& d) {
   check_tombstones(d.line_tombstones);
   for (std::size_t i = 0; i < d.manhattan_frames.size() && !check.fault(); ++i) {
     const MapManhattan& m = d.manhattan_frames[i];
-    check.Require(m.map.IsValid(), "Manhattan frame", i, "id out of range");
+    check.Require(IsId(m.map.value), "Manhattan frame", i, "id out of range");
     check.Require(!m.world_from_manhattan || IsUnit(*m.world_from_manhattan), "Manhattan frame", i,
                   "rotation is no unit quaternion");
   }

@@ -152,6 +152,18 @@ TEST(Mapper, FirstAndSecondBelongTogether) {
   EXPECT_TRUE(parts[0].keyframes.empty());
 }
 
+TEST(Mapper, LevelsThatThePyramidDoesNotHaveAreAnError) {
+  SyntheticScene scene(7);
+  Mapper mapper(scene.camera, {});
+  KeyframeProposal first;
+  first.id = KeyframeId(0);
+  first.map = MapId(0);
+  first.role = KeyframeRole::kMapFirst;
+  first.features = scene.Look(PoseAt({0, 0, 0})).features;
+  first.features.keypoints[3].octave = MapperOptions().orb.num_levels;
+  EXPECT_THROW(mapper.Process(first), std::runtime_error);
+}
+
 TEST(Mapper, PointsThatWereFusedOrErasedSinceAreTakenForWhatTheyAre) {
   IdealFrontend f(6, {});
   f.Start(OnTheWay(0), OnTheWay(2));

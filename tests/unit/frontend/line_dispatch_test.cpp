@@ -56,6 +56,18 @@ class Dispatch : public ::testing::Test {
   LineDispatch::Time now_{1000s};
 };
 
+TEST_F(Dispatch, AsksAgainWhereTheLinesWereAnothers) {
+  Heard(kA, 0);
+  EXPECT_THAT(Image(0), ElementsAre(std::pair(0, kA)));
+  EXPECT_THAT(Answer(kA, 0), IsEmpty());
+  dispatch_.AskAgain(0);
+  EXPECT_THAT(Requests(), ElementsAre(std::pair(0, kA)));
+  Answer(kA, 0);
+  dispatch_.Pass(0);
+  dispatch_.AskAgain(0);
+  EXPECT_THAT(Requests(), IsEmpty()) << "it is needed no more";
+}
+
 TEST_F(Dispatch, NobodyIsAskedBeforeAnybodyIsThere) {
   EXPECT_THAT(Image(0), IsEmpty());
   EXPECT_THAT(Heard(kA, 0), ElementsAre(std::pair(0, kA)));

@@ -24,6 +24,19 @@ LineJoinerOptions Realtime() {
   return options;
 }
 
+TEST(LineJoiner, AlienLinesMakeRoomForTheImagesOwn) {
+  LineJoiner joiner({});
+  LineSet alien = Lines(5, 3);
+  alien.stamp_us = 77;
+  EXPECT_FALSE(joiner.DropAlien(5, 5000));
+  joiner.Add(alien);
+  EXPECT_EQ(joiner.Look(5, 5000, 0, 0), Verdict::kWait);
+  EXPECT_TRUE(joiner.DropAlien(5, 5000));
+  EXPECT_TRUE(joiner.Add(Lines(5, 8)));
+  EXPECT_FALSE(joiner.DropAlien(5, 5000));
+  EXPECT_EQ(joiner.Take(5, 5000)->lines.size(), 8u);
+}
+
 TEST(LineJoiner, JoinsInWhateverOrderLinesCome) {
   LineJoiner joiner({});
   EXPECT_TRUE(joiner.Add(Lines(2, 12)));

@@ -46,6 +46,9 @@ TEST(ProgressLine, ShowsTheNewestFrameAndItsMap) {
   player.message = "the lens is dirty";
   run.Add(player);
   EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["messages"]["player"], "the lens is dirty");
+  player.message = "no lens\xff";
+  run.Add(player);
+  EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["messages"]["player"], "no lens\uFFFD");
   run.Add(MakePose(21, 1, 0, SE3(), SE3()));
   run.Add(MakePose(25, 1, 0, SE3(), SE3()));
   EXPECT_EQ(nlohmann::json::parse(ProgressLine(run))["fps"], 4);  // two in half a second

@@ -68,6 +68,7 @@ TEST_F(DecodeImage, MakesColourAndSixteenBitsGrey) {
 
 TEST_F(DecodeImage, TellsWhatIsWrong) {
   EXPECT_EQ(DecodeGrey(Path("nowhere.png")).fault, "is missing or cannot be opened");
+  EXPECT_EQ(DecodeGrey(Path(".")).fault, "is a folder");
   std::ofstream(Path("empty.png")).close();
   EXPECT_EQ(DecodeGrey(Path("empty.png")).fault, "is empty");
   std::ofstream(Path("text.png")) << "no image at all";

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include "core/transport/codec.h"
+#include "core/transport/validate.h"
 #include "random_messages.h"
 
 namespace vpslam::test {
@@ -132,6 +133,22 @@ TEST_F(Malformed, NotANumber) {
     bytes[offset + 1] = 0xf8;
     EXPECT_FALSE(Accepts<Truth>(bytes)) << i;
   }
+}
+
+TEST_F(Malformed, NumbersThatNobodyCountsUpTo) {
+  Header header = random_.SomeHeader();
+  header.seq = INT64_MAX;
+  EXPECT_TRUE(Validate(header));
+  // Ids are indices: whoever takes this one up allocates gigabytes.
+  MapDelta delta;
+  delta.version = 1;
+  KeyframeState keyframe;
+  keyframe.id = KeyframeId(1);
+  keyframe.map = MapId(0);
+  delta.keyframes = {keyframe};
+  EXPECT_FALSE(Validate(delta));
+  delta.keyframes[0].id = KeyframeId(INT32_MAX);
+  EXPECT_TRUE(Validate(delta));
 }
 
 TEST_F(Malformed, ObservationsThatBelongToNoKeyframe) {
