@@ -1,6 +1,7 @@
 """`vpslam bench`: measures, one suite at a time."""
 
 import pathlib
+import signal
 
 from vpslam_tools import suites
 from vpslam_tools.errors import UserError
@@ -31,4 +32,8 @@ def run(args):
     except OSError as error:
         raise UserError(f"{args.out}: cannot be made ({error.strerror}); name another folder with "
                         "--out") from None
+    # What ends the bench ends its runs as well.
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler)
     return suites.ALL[args.suite].run(args)

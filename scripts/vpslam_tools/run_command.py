@@ -198,8 +198,11 @@ def conclude(supervisor, args, out, progress):
         progress.tell(f"{name} {fault}; {log} ends:")
         lines = log.read_text(errors="replace").splitlines()
         progress.tell("\n".join("  " + line for line in lines[-LOG_LINES_TOLD:]) or "  (empty)")
-    summary = out / "summary.json"
-    frames = json.loads(summary.read_text())["frames"] if summary.exists() else {"in": 0}
+    path = out / "summary.json"
+    summary = json.loads(path.read_text()) if path.exists() else {"frames": {"in": 0}}
+    if supervisor.interrupts and path.exists():
+        path.write_text(json.dumps(dict(summary, interrupted=True), indent=2) + "\n")
+    frames = summary["frames"]
     if frames["in"] > 0:
         progress.tell(describe_results(out, frames))
     elif not supervisor.faults:

@@ -91,7 +91,8 @@ class Supervisor:
         self._selector.register(self._wakeup, selectors.EVENT_READ, self._on_signal)
         signal.signal(signal.SIGCHLD, lambda *_: None)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self._count_interrupt)
+            if signal.getsignal(number) != signal.SIG_IGN:  # as nohup has it
+                signal.signal(number, self._count_interrupt)
 
     def _count_interrupt(self, *_):
         self.interrupts += 1

@@ -80,12 +80,12 @@ def origin(command, commits, seeds=None):
 
 
 def revision():
-    """Commit of the source tree, "+" if files differ from it; None in an installation. Programs carry
-    that of the last configuration only."""
+    """Commit of the source tree, "+" if files differ from it; None where programs from elsewhere are
+    run. Those carry the last commit that touched the sources."""
     def git(*words):
         return subprocess.run(["git", "-C", str(paths.ROOT), *words], stdout=subprocess.PIPE,
                               stderr=subprocess.DEVNULL, text=True).stdout.strip()
-    if not paths.IN_SOURCE_TREE or not shutil.which("git"):
+    if not paths.has_to_build() or not shutil.which("git"):
         return None
     commit = git("rev-parse", "--short=12", "HEAD")
     return commit and commit + "+" * bool(git("status", "--porcelain", "--untracked-files=no"))

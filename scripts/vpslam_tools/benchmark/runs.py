@@ -194,8 +194,11 @@ def run_one(job, children, on_frame):
     run = {"status": "failed", "why": f"failed: {last_lines[-1] if last_lines else status}",
            "exit_code": status, "wall_s": time.monotonic() - began}
     if status == 0 and (job.results / "summary.json").exists():
-        run.update(status="done", why=None, scores=scores.score(job.results),
-                   summary=json.loads((job.results / "summary.json").read_text()))
+        run["summary"] = json.loads((job.results / "summary.json").read_text())
+        if run["summary"].get("interrupted"):
+            run["why"] = "failed: it was interrupted"
+        else:
+            run.update(status="done", why=None, scores=scores.score(job.results))
     return run
 
 

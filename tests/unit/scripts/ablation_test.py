@@ -111,16 +111,18 @@ class Command(AblationTest):
         self.assertIn("| car_park | 22 | 0.0000 | 0.0000 |", output)
         self.assertIn("| **no: coverage** |", output)
 
-    def test_what_ctrl_c_interrupts_is_run_again(self):
-        process = self.start("--sequence", "car_park", FAKE_SECONDS="30")
-        deadline = time.monotonic() + 60
-        while self.runs_begun() == 0 and time.monotonic() < deadline:
-            time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
-        output, _ = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130, output)
-        self.assertEqual(self.runs_begun(), 1)
-        self.assertEqual(list((self.folder / "out").glob("**/bench.json")), [])
+    def test_what_is_interrupted_is_run_again(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            process = self.start("--sequence", "car_park", FAKE_SECONDS="30")
+            deadline = time.monotonic() + 60
+            while self.runs_begun() == 0 and time.monotonic() < deadline:
+                time.sleep(0.05)
+            process.send_signal(number)
+            output, _ = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 130, output)
+            self.assertEqual(self.runs_begun(), 1)
+            self.assertEqual(list((self.folder / "out").glob("**/bench.json")), [])
         status, output, count = self.bench()
         self.assertEqual((status, count), (0, len(ablation.VARIANTS)), output)
 
