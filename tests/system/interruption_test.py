@@ -1,5 +1,6 @@
 """Runs that end early: by Ctrl-C, by the death of a process, by the death of the launcher."""
 
+import json
 import os
 import pathlib
 import signal
@@ -32,7 +33,8 @@ class Interruption(system.SystemTest):
         process.send_signal(signal.SIGINT)
         status, output = self.finish(process)
         self.assertEqual(status, 0, output)
-        self.assertTrue((self.folder / "ctrl_c" / "summary.json").exists(), output)
+        summary = json.loads((self.folder / "ctrl_c" / "summary.json").read_text())
+        self.assertTrue(summary["interrupted"])
         self.assertTrue((self.folder / "ctrl_c" / "trajectory.txt").exists(), output)
         self.assert_nothing_left()
 
