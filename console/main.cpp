@@ -15,6 +15,7 @@
 #include "console/commands.h"
 #include "console/log_summary.h"
 #include "console/status_line.h"
+#include "core/base/json_text.h"
 #include "core/transport/channels.h"
 #include "core/transport/inbox.h"
 #include "core/transport/process.h"
@@ -113,10 +114,7 @@ int main(int argc, char** argv) {
       words.empty() ? GiveWhatIsTyped(url)
                     : Give(url, fmt::format("{}", fmt::join(words, " ")), every_s);
     }
-    if (*log)
-      std::puts(SummarizeLog(path)
-                    .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-                    .c_str());
+    if (*log) std::puts(ToText(SummarizeLog(path), 2).c_str());
     return kExitOk;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "console: %s\n", e.what());

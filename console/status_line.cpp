@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/json_text.h"
 #include "core/messages/state_names.h"
 
 namespace vpslam {
@@ -22,8 +23,7 @@ std::string StatusLine(int64_t session, const ProcessStatus& s) {
                                        {"cpu_s", s.cpu_s},
                                        {"rss_peak_mb", s.rss_peak_mb},
                                        {"message", s.message}};
-  // Anybody may have sent it: bytes that are no UTF-8 are replaced.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return ToText(json);
 }
 
 }  // namespace vpslam

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/json_text.h"
 #include "core/messages/state_names.h"
 
 namespace vpslam {
@@ -60,8 +61,7 @@ std::string ProgressLine(const RunRecord& run) {
     const bool runs = status.state == ProcessState::kRunning;
     if (runs && !status.message.empty()) line["messages"][status.process] = status.message;
   }
-  // What processes say may name a file whose name is not UTF-8.
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return ToText(line);
 }
 
 }  // namespace vpslam

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/json_text.h"
 #include "recorder/map_ply.h"
 #include "recorder/tables.h"
 #include "recorder/trajectory.h"
@@ -25,9 +26,7 @@ std::map<std::string, std::string> MakeResults(const RunRecord& run, const RunIn
   if (const auto& jpeg = run.preview().jpeg; !jpeg.empty()) {
     files["preview.jpg"] = std::string(jpeg.begin(), jpeg.end());
   }
-  files["summary.json"] =
-      Summary(run, info).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-      "\n";
+  files["summary.json"] = ToText(Summary(run, info), 2) + "\n";
   return files;
 }
 

@@ -138,14 +138,20 @@ TEST(Mapper, ADiscardedMapLeavesNothing) {
   }
 }
 
+/// A view of the scene that starts map 0.
+KeyframeProposal Look(KeyframeId id, KeyframeRole role, SyntheticScene* scene) {
+  KeyframeProposal proposal;
+  proposal.id = id;
+  proposal.map = MapId(0);
+  proposal.role = role;
+  proposal.features = scene->Look(PoseAt({0, 0, 0})).features;
+  return proposal;
+}
+
 TEST(Mapper, FirstAndSecondBelongTogether) {
   SyntheticScene scene(5);
   Mapper mapper(scene.camera, {});
-  KeyframeProposal second;
-  second.id = KeyframeId(1);
-  second.map = MapId(0);
-  second.role = KeyframeRole::kMapSecond;
-  second.features = scene.Look(PoseAt({0, 0, 0})).features;
+  const KeyframeProposal second = Look(KeyframeId(1), KeyframeRole::kMapSecond, &scene);
   const auto parts = mapper.Process(second);
   ASSERT_EQ(parts.size(), 1u) << "an answer, which says that nothing was done";
   EXPECT_EQ(parts[0].answers, KeyframeId(1));
@@ -155,11 +161,7 @@ TEST(Mapper, FirstAndSecondBelongTogether) {
 TEST(Mapper, LevelsThatThePyramidDoesNotHaveAreAnError) {
   SyntheticScene scene(7);
   Mapper mapper(scene.camera, {});
-  KeyframeProposal first;
-  first.id = KeyframeId(0);
-  first.map = MapId(0);
-  first.role = KeyframeRole::kMapFirst;
-  first.features = scene.Look(PoseAt({0, 0, 0})).features;
+  KeyframeProposal first = Look(KeyframeId(0), KeyframeRole::kMapFirst, &scene);
   first.features.keypoints[3].octave = MapperOptions().orb.num_levels;
   EXPECT_THROW(mapper.Process(first), std::runtime_error);
 }
