@@ -59,23 +59,25 @@ int NumPoints(const Keyframe& keyframe, const Map& map) {
                                         [&](PointId id) { return map.Find(id); }));
 }
 
-int NeededObservers(int num_points, const Keyframe& keyframe, const CullingOptions& options) {
+/// How many other keyframes have to see a point, for this keyframe not to be needed for it. More
+/// than there are where a keyframe shows little, so it stays a double.
+double NeededObservers(int num_points, const Keyframe& keyframe, const CullingOptions& options) {
   const auto num_lines = std::count_if(keyframe.lines.begin(), keyframe.lines.end(),
                                        [](LineId id) { return id.IsValid(); });
   const double seen = num_points + options.points_per_line * static_cast<double>(num_lines);
   const double scarcity = options.plenty_points / std::max(1.0, seen);
-  return static_cast<int>(options.min_other_observers *
-                          std::pow(std::max(1.0, scarcity), options.scarcity_power));
+  return std::floor(options.min_other_observers *
+                    std::pow(std::max(1.0, scarcity), options.scarcity_power));
 }
 
 bool IsRedundant(const Keyframe& keyframe, const KeyframeStore& store,
                  const CullingOptions& options, const Map& map) {
   const int points = NumPoints(keyframe, map);
-  const int needed = NeededObservers(points, keyframe, options);
+  const double needed = NeededObservers(points, keyframe, options);
   int redundant = 0;
   for (size_t i = 0; i < keyframe.points.size(); ++i) {
     const MapPoint* point = map.Find(keyframe.points[i]);
-    if (!point || static_cast<int>(point->observations.size()) <= needed) continue;
+    if (!point || static_cast<double>(point->observations.size()) <= needed) continue;
     const int octave = store.at(keyframe.id).features.keypoints[i].octave;
     int others = 0;
     for (const Observation& o : point->observations) {

@@ -9,7 +9,8 @@ namespace {
 
 /// Keyframes side by side, all of which show all points of the map.
 struct Fixture {
-  explicit Fixture(int num_keyframes, uint64_t seed = 1) : scene(seed), map(scene) {
+  explicit Fixture(int num_keyframes, int num_points = 800)
+      : scene(1, {.num_points = num_points}), map(scene) {
     for (int i = 0; i < num_keyframes; ++i) {
       map.AddKeyframe(scene.Look(PoseAt({0.05 * i, 0, 0})));
     }
@@ -116,7 +117,7 @@ TEST(PointProbation, ForgetsPointsThatAreGone) {
 /// Of five keyframes number 2 is the one in question: `shared` of its points are seen by the first
 /// `observers` of the others as well, and `own` by one other.
 struct Redundancy {
-  Redundancy(int shared, int observers, int own) : f(5) {
+  Redundancy(int shared, int observers, int own) : f(5, 1600) {
     const std::vector<int> points = f.SeenByAll();
     std::vector<KeyframeId> all = Ids({2});
     for (const int k : {4, 0, 1, 3}) {
@@ -169,6 +170,15 @@ TEST(CullKeyframes, WhoShowsLittleIsNeededMore) {
   options.plenty_points = 120;  // 1.44 times 3 observers
   EXPECT_EQ(Redundancy(100, 3, 0).Cull(options), Ids({}));
   EXPECT_EQ(Redundancy(100, 4, 0).Cull(options), Ids({2}));
+}
+
+TEST(CullKeyframes, AtTheDefaultsWhatShowsLittleStays) {
+  // Three others see each point. That is enough where there is plenty to see, and the fewer points
+  // a keyframe shows the less it is enough.
+  for (const int points : {1, 20, 31, 32, 100, 200}) {
+    EXPECT_EQ(Redundancy(points, 3, 0).Cull(CullingOptions()), Ids({})) << points;
+  }
+  EXPECT_EQ(Redundancy(240, 3, 0).Cull(CullingOptions()), Ids({2}));
 }
 
 TEST(CullKeyframes, LinesCountForWhatAKeyframeShows) {
