@@ -370,8 +370,11 @@ void Map::SetAxis(LineId line, int32_t axis) {
 void Map::SetManhattan(MapId map, const std::optional<Eigen::Quaterniond>& world_from_manhattan) {
   if (world_from_manhattan) {
     manhattan_frames_[map] = *world_from_manhattan;
-  } else if (manhattan_frames_.erase(map) == 0) {
-    return;
+  } else {
+    if (manhattan_frames_.erase(map) == 0) return;
+    for (const MapLine& line : lines_) {
+      if (line.map == map && Find(line.id)) SetAxis(line.id, -1);
+    }
   }
   changes_.manhattan_frames.insert(map);
 }

@@ -163,6 +163,8 @@ class Map {
   void SetEnds(LineId line, const Eigen::Vector3d& start, const Eigen::Vector3d& end);
   void SetDescriptor(LineId line, const Descriptor& descriptor);
   void SetAxis(LineId line, int32_t axis);
+  /// nullopt: the map has no Manhattan frame any more, and its lines have no axis. A frame that is
+  /// found later may name its axes otherwise.
   void SetManhattan(MapId map, const std::optional<Eigen::Quaterniond>& world_from_manhattan);
 
   // ---- Replication ----

@@ -38,6 +38,32 @@ TEST(Map, BothSidesOfObservationsAgree) {
   }
 }
 
+TEST(Map, WithTheManhattanFrameGoTheAxesOfItsLines) {
+  Map map;
+  for (const int m : {0, 1}) {
+    Keyframe keyframe;
+    keyframe.id = KeyframeId(m);
+    keyframe.map = MapId(m);
+    map.Insert(keyframe);
+    map.SetManhattan(MapId(m), Eigen::Quaterniond::Identity());
+  }
+  const LineId here = map.CreateLine(MapId(0), KeyframeId(0), {0, 0, 1}, {1, 0, 1});
+  const LineId elsewhere = map.CreateLine(MapId(1), KeyframeId(1), {0, 0, 1}, {1, 0, 1});
+  map.SetAxis(here, 0);
+  map.SetAxis(elsewhere, 0);
+  Map replica;
+  for (const MapDelta& delta : map.TakeDeltas({}, {})) ASSERT_TRUE(replica.Apply(delta));
+  map.SetManhattan(MapId(0), std::nullopt);
+  // The next frame of this map has its axes in another order.
+  const Eigen::Quaterniond renamed(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitY()));
+  map.SetManhattan(MapId(0), renamed);
+  for (const MapDelta& delta : map.TakeDeltas({}, {})) ASSERT_TRUE(replica.Apply(delta));
+  for (const Map* each : {&map, &replica}) {
+    EXPECT_EQ(each->Find(here)->axis, -1);
+    EXPECT_EQ(each->Find(elsewhere)->axis, 0);
+  }
+}
+
 TEST(Map, FusedPointsForward) {
   Map map;
   Keyframe keyframe;
