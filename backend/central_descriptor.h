@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/thin_out.h"
 #include "core/features/features.h"
 #include "core/map/map.h"
 
@@ -17,7 +18,7 @@ Descriptor CentralDescriptor(const std::vector<Observation>& observations,
   // More observations hardly change the choice, but cost their square.
   constexpr size_t kMaxCompared = 12;
   std::vector<Descriptor> descriptors;
-  const size_t step = std::max<size_t>(1, observations.size() / kMaxCompared);
+  const size_t step = ThinOutStep(observations.size(), kMaxCompared);
   for (size_t i = 0; i < observations.size(); i += step) {
     descriptors.push_back(descriptor_of(observations[i]));
   }

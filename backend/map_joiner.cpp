@@ -8,6 +8,7 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
+#include "core/base/thin_out.h"
 #include "core/estimation/point_residual.h"
 #include "core/geometry/chi_square.h"
 
@@ -139,10 +140,10 @@ class Aligner {
  private:
   void AddSightings(int common, bool of_here, const Eigen::Vector3d& position,
                     const MapPoint& double_of_it) {
-    // More say hardly more.
+    // More sightings add little information.
     constexpr size_t kMaxSightings = 6;
     const auto& observations = double_of_it.observations;
-    const size_t step = std::max<size_t>(1, observations.size() / kMaxSightings);
+    const size_t step = ThinOutStep(observations.size(), kMaxSightings);
     for (size_t i = 0; i < observations.size(); i += step) {
       const Observation& o = observations[i];
       const Keypoint& k = store_.at(o.keyframe).features.keypoints[o.feature];
