@@ -47,12 +47,15 @@ BaWindow ChooseBaWindow(KeyframeId id, const LocalBaOptions& options, const Map&
     if (is_full(window.fixed, options.max_fixed_keyframes)) break;
     window.fixed.insert(other);
   }
-  // Without others to measure from, the map's first keyframe holds the gauge (the scale is held by
-  // the damping alone: it is free, and nothing pulls at it).
-  if (window.fixed.empty()) {
-    const KeyframeId first = *window.moved.begin();
-    window.moved.erase(first);
-    window.fixed.insert(first);
+  // Without others to measure from, the oldest hold the gauge. The keyframe itself is moved always.
+  for (auto at = window.moved.begin(); at != window.moved.end();) {
+    if (static_cast<int>(window.fixed.size()) >= options.min_fixed_keyframes) break;
+    if (*at == id) {
+      ++at;
+      continue;
+    }
+    window.fixed.insert(*at);
+    at = window.moved.erase(at);
   }
   return window;
 }

@@ -48,13 +48,15 @@ class StopWhenUrgent : public ceres::IterationCallback {
 
 class Adjustment {
  public:
+  /// `robust`: outliers may be among the observations.
   Adjustment(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
              const KeyframeStore& store, const ManhattanFrame& manhattan,
-             const LocalBaOptions& options, const Map& map)
+             const LocalBaOptions& options, bool robust, const Map& map)
       : window_(window),
         options_(options),
         camera_(camera),
         scales_(scales),
+        observation_loss_(robust ? &loss_ : nullptr),
         problem_(ProblemOptions()),
         ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
     std::set<KeyframeId> keyframes = window.moved;
@@ -66,9 +68,13 @@ class Adjustment {
     }
     landmark_storage_.reserve(3 * window.points.size() + 6 * window.lines.size());
     positions_.reserve(window.points.size());
-    for (const PointId id : window.points) AddPoint(*map.Find(id), store);
+    for (const PointId id : window.points) {
+      if (const MapPoint* point = map.Find(id)) AddPoint(*point, store);
+    }
     lines_.reserve(window.lines.size());
-    for (const LineId id : window.lines) AddLine(*map.Find(id), store, map);
+    for (const LineId id : window.lines) {
+      if (const MapLine* line = map.Find(id)) AddLine(*line, store, map);
+    }
     for (const KeyframeId id : window.moved)
       AddRotation(*map.Find(id), store.at(id).lines, manhattan);
   }
@@ -92,8 +98,11 @@ class Adjustment {
     if (is_urgent) options.callbacks.push_back(&stop);
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    if (problem_.NumResidualBlocks() > 0) ceres::Solve(options, &problem_, &summary);
     BaSummary result;
+    if (problem_.NumResidualBlocks() > 0) {
+      ceres::Solve(options, &problem_, &summary);
+      result.usable = summary.IsSolutionUsable();
+    }
     result.keyframes = static_cast<int>(window_.moved.size());
     result.fixed_keyframes = static_cast<int>(window_.fixed.size());
     result.points = static_cast<int>(window_.points.size());
@@ -142,7 +151,7 @@ class Adjustment {
       if (pose == poses_.end()) continue;
       const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
       costs_.emplace_back(camera_, keypoint.Position(), CornerSqrtInformation(keypoint, scales_));
-      problem_.AddResidualBlock(&costs_.back(), &loss_, pose->second, position);
+      problem_.AddResidualBlock(&costs_.back(), observation_loss_, pose->second, position);
       used = true;
     }
     if (!used) return;
@@ -152,7 +161,8 @@ class Adjustment {
 
   /// Two views and no direction leave a line free to be anything: it stays out.
   void AddLine(const MapLine& line, const KeyframeStore& store, const Map& map) {
-    if (line.observations.size() < 3 && line.axis < 0) return;
+    const bool is_held = line.axis >= 0 && map.WorldFromManhattan(line.map).has_value();
+    if (line.observations.size() < 3 && !is_held) return;
     const LineParameters initial = ToLineParameters(line.start, line.end);
     double* parameters = Allocate(initial.data(), initial.size());
     bool used = false;
@@ -162,12 +172,12 @@ class Adjustment {
       const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
       line_costs_.emplace_back(camera_, segment.start_px.cast<double>(),
                                segment.end_px.cast<double>(), 1 / LineSigma_px(segment.sigma_px));
-      problem_.AddResidualBlock(&line_costs_.back(), &loss_, pose->second, parameters);
+      problem_.AddResidualBlock(&line_costs_.back(), observation_loss_, pose->second, parameters);
       used = true;
     }
     if (!used) return;
     lines_.emplace_back(line.id, parameters);
-    if (line.axis >= 0 && map.WorldFromManhattan(line.map)) {
+    if (is_held) {
       direction_costs_.emplace_back(AxisDirection(line.axis, line.map, map),
                                     options_.direction_sigma_deg * std::numbers::pi / 180);
       problem_.AddResidualBlock(&direction_costs_.back(), &loss_, parameters);
@@ -204,6 +214,7 @@ class Adjustment {
   const ScalePyramid& scales_;
   Se3Manifold manifold_;
   ceres::HuberLoss loss_{std::sqrt(kChi2Dof2)};
+  ceres::LossFunction* observation_loss_;  ///< nullptr: squares
   ceres::HuberLoss rotation_loss_{std::sqrt(kChi2Dof3)};
   std::deque<PointCost> costs_;
   std::deque<RotationCost> rotation_costs_;
@@ -246,9 +257,12 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
                         const LocalBaOptions& options, int max_iterations, Map* map,
                         const IsUrgent& is_urgent) {
   const BaWindow window = ChooseBaWindow(keyframe, options, *map);
-  Adjustment adjustment(window, camera, scales, store, manhattan, options, *map);
-  BaSummary summary = adjustment.Solve(max_iterations, is_urgent);
-  adjustment.WriteBack(map);
+  const auto adjust = [&](bool robust, int iterations) {
+    Adjustment adjustment(window, camera, scales, store, manhattan, options, robust, *map);
+    const BaSummary summary = adjustment.Solve(iterations, is_urgent);
+    if (summary.usable) adjustment.WriteBack(map);
+    return summary;
+  };
   const auto point_fits = [&](const MapPoint& point, const Observation& o) {
     const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
     const Eigen::Vector3d x = map->Find(o.keyframe)->cam_from_world * point.position;
@@ -266,8 +280,14 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
     return !IsTooNear(line, cam_from_world, min_depth(o.keyframe)) &&
            Fits(line, cam_from_world, store.at(o.keyframe).lines.lines[o.feature], camera);
   };
+  BaSummary summary = adjust(true, max_iterations);
+  if (!summary.usable) return summary;
   summary.outliers = RemoveOutliers(window, window.points, point_fits, map) +
                      RemoveOutliers(window, window.lines, line_fits, map);
+  const bool is_late = is_urgent && is_urgent();
+  if (summary.outliers > 0 && options.max_iterations_after_outliers > 0 && !is_late) {
+    adjust(false, options.max_iterations_after_outliers);
+  }
   for (const PointId point : window.points) UpdateView(point, store, scales, map);
   for (const LineId line : window.lines) UpdateEnds(line, camera, store, map);
   return summary;

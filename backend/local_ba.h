@@ -16,6 +16,8 @@
 namespace vpslam {
 
 struct BaSummary {
+  /// False where Ceres failed: nothing was changed.
+  bool usable = false;
   int keyframes = 0;  ///< moved
   int fixed_keyframes = 0;
   int points = 0;
@@ -30,9 +32,10 @@ struct BaSummary {
 /// from time to time.
 using IsUrgent = std::function<bool()>;
 
-/// Adjusts around `keyframe`; removes observations that fail the chi-square gate afterwards, and
-/// updates the views of the points moved. Keyframes are held to the axes of `manhattan`. Ends after
-/// few iterations when `is_urgent`.
+/// Adjusts around `keyframe`; removes observations that fail the chi-square gate afterwards,
+/// adjusts once more without them if the options say so, and updates the views of the points moved.
+/// Keyframes are held to the axes of `manhattan`. Ends after few iterations when `is_urgent`. The
+/// costs in the summary are those of the first adjustment.
 BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
                         const KeyframeStore& store, const ManhattanFrame& manhattan,
                         const LocalBaOptions& options, int max_iterations, Map* map,

@@ -12,6 +12,9 @@ namespace vpslam {
 struct LocalBaOptions {
   int max_keyframes = 20;        ///< whose poses are moved: the new one and those that share most
   int max_fixed_keyframes = 20;  ///< others that see the same points: measured from, not moved
+  /// Where fewer others see them, the oldest keyframes of the window are held instead: one holds
+  /// position and rotation of the map, two hold its scale as well.
+  int min_fixed_keyframes = 2;
   /// Where keyframes show fewer points than plenty, there are more of them in either group: by that
   /// ratio to the power `growth_power`, but no more than `max_growth` times the numbers above.
   double plenty_points = 300;
@@ -19,22 +22,25 @@ struct LocalBaOptions {
   double max_growth = 10;
   int min_shared_points = 15;  ///< with the new keyframe, to be moved
   int max_iterations = 10;
-  int max_iterations_to_start = 30;    ///< for the two views of a new map
-  int min_iterations_when_urgent = 2;  ///< when the next keyframe waits already
-  double function_tolerance = 1e-4;    ///< relative decrease of the cost that ends the iteration
-  double direction_sigma_deg = 0.5;    ///< of a line about the Manhattan axis that it belongs to
-  double min_line_depth_share = 0.2;   ///< see IsTooNear; less than that of new lines
+  int max_iterations_to_start = 30;       ///< for the two views of a new map
+  int max_iterations_after_outliers = 0;  ///< again without them, and without a robust loss
+  int min_iterations_when_urgent = 2;     ///< when the next keyframe waits already
+  double function_tolerance = 1e-4;       ///< relative decrease of the cost that ends the iteration
+  double direction_sigma_deg = 0.5;       ///< of a line about the Manhattan axis that it belongs to
+  double min_line_depth_share = 0.2;      ///< see IsTooNear; less than that of new lines
 
   template <class V>
   void Visit(V& v) {
     v("max_keyframes", max_keyframes);
     v("max_fixed_keyframes", max_fixed_keyframes);
+    v("min_fixed_keyframes", min_fixed_keyframes);
     v("plenty_points", plenty_points);
     v("growth_power", growth_power);
     v("max_growth", max_growth);
     v("min_shared_points", min_shared_points);
     v("max_iterations", max_iterations);
     v("max_iterations_to_start", max_iterations_to_start);
+    v("max_iterations_after_outliers", max_iterations_after_outliers);
     v("min_iterations_when_urgent", min_iterations_when_urgent);
     v("function_tolerance", function_tolerance);
     v("direction_sigma_deg", direction_sigma_deg);

@@ -61,12 +61,28 @@ TEST_F(BaWindowTest, GrowsWhereKeyframesShowLittle) {
   EXPECT_EQ(Choose(options).fixed.size(), 6u) << "all that are left";
 }
 
-TEST_F(BaWindowTest, TheFirstKeyframeHoldsTheGaugeWhereNoneIsFixed) {
+TEST_F(BaWindowTest, TheOldestHoldTheGaugeWhereTooFewAreFixed) {
   LocalBaOptions options;
   options.max_keyframes = kKeyframes;
+  for (const int fixed : {1, 2, 3}) {
+    options.min_fixed_keyframes = fixed;
+    const BaWindow window = Choose(options);
+    ASSERT_EQ(window.fixed.size(), static_cast<size_t>(fixed));
+    EXPECT_EQ(*window.fixed.rbegin(), KeyframeId(fixed - 1));
+    EXPECT_EQ(window.moved.size(), static_cast<size_t>(kKeyframes - fixed));
+  }
+  options.max_keyframes = kKeyframes - 1;  // keyframe 0 sees the points and is fixed anyway
+  options.min_fixed_keyframes = 2;
+  options.plenty_points = kPoints;
+  EXPECT_EQ(Choose(options).fixed.size(), 2u);
+}
+
+TEST_F(BaWindowTest, TheKeyframeItselfIsAlwaysMoved) {
+  LocalBaOptions options;
+  options.max_keyframes = kKeyframes;
+  options.min_fixed_keyframes = 2 * kKeyframes;
   const BaWindow window = Choose(options);
-  EXPECT_EQ(window.fixed, std::set<KeyframeId>{KeyframeId(0)});
-  EXPECT_EQ(window.moved.size(), static_cast<size_t>(kKeyframes - 1));
+  EXPECT_EQ(window.moved, std::set<KeyframeId>{KeyframeId(kKeyframes - 1)});
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace vpslam {
 namespace {
 
 /// As many iterations as it takes.
-const LocalBaOptions kThorough{.max_iterations = 50, .function_tolerance = 1e-10};
+const LocalBaOptions kThorough{
+    .min_fixed_keyframes = 1, .max_iterations = 50, .function_tolerance = 1e-10};
 
 const ManhattanFrame kNoAxes{ManhattanOptions()};
 
@@ -258,6 +259,55 @@ TEST(LocalBa, OutliersAreTakenOut) {
   // One good measurement in twenty fails the gate, and takes the last of a pair with it.
   EXPECT_GT(left, 0.85 * total);
   EXPECT_GT(erased, 0);
+}
+
+TEST(LocalBa, WithTwoKeyframesHeldTheScaleIs) {
+  Fixture f(6, 1);
+  LocalBaOptions options = kThorough;
+  options.min_fixed_keyframes = 2;
+  f.DisturbPoses(2, 0.02, 0.005);
+  f.DisturbPoints(0.03);
+  const BaSummary summary = f.Adjust(options);
+  EXPECT_EQ(summary.fixed_keyframes, 2);
+  // Measurements less what they determine; no gauge remains.
+  const double freedom = 2.0 * summary.observations - 6 * 4 - 3.0 * summary.points;
+  EXPECT_NEAR(2 * summary.final_cost, freedom, 4 * std::sqrt(2 * freedom));
+  EXPECT_LT(Rmse(f.TrueCenters(), f.Centers()), 0.02);
+}
+
+TEST(LocalBa, WhatFailsChangesNothing) {
+  Fixture f(6, 1);
+  f.DisturbPoses(1, 0.02, 0.005);
+  const PointId broken = f.map.truth.begin()->first;
+  f.map.map.SetPosition(broken, Eigen::Vector3d::Constant(std::nan("")));
+  const std::vector<Eigen::Vector3d> before = f.Centers();
+  const size_t observations = f.map.map.Find(broken)->observations.size();
+  const BaSummary summary = f.Adjust();
+  EXPECT_FALSE(summary.usable);
+  EXPECT_EQ(f.Centers(), before);
+  EXPECT_EQ(f.map.map.Find(broken)->observations.size(), observations);
+}
+
+TEST(LocalBa, OnceMoreWithoutTheOutliersIsBetter) {
+  double error[2] = {0, 0};
+  for (const int again : {0, 1}) {
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      Fixture f(6, seed);
+      for (const auto& [id, p] : f.map.truth) {
+        if (id.value % 5) continue;
+        const Observation& o = f.map.map.Find(id)->observations.back();
+        Keypoint& k = f.map.store[o.keyframe].features.keypoints[o.feature];
+        k.x_px += 15 * static_cast<float>(f.scene.scales.scale(k.octave));
+      }
+      LocalBaOptions options = kThorough;
+      options.max_iterations_after_outliers = again ? 20 : 0;
+      f.DisturbPoses(1, 0.02, 0.005);
+      f.DisturbPoints(0.03);
+      ASSERT_TRUE(f.Adjust(options).usable);
+      error[again] += RmseAligned(f.TrueCenters(), f.Centers());
+    }
+  }
+  EXPECT_LT(error[1], error[0]);
 }
 
 TEST(LocalBa, BehindTheCameraIsAnOutlier) {
