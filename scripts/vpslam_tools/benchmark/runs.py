@@ -1,4 +1,4 @@
-"""Runs `vpslam run` for every sequence, seed and pace, each in a folder of its own:
+"""Runs of sequences, one process each (job_of(): `vpslam run`), each in a folder of its own:
 
     <out>/runs/<sequence>/<pace>-seed<N>/     results, and bench.json once the run is complete
 
@@ -8,6 +8,7 @@ bench goes on where it stopped.
 """
 
 import concurrent.futures
+import functools
 import hashlib
 import json
 import os
@@ -19,12 +20,14 @@ import subprocess
 import sys
 import threading
 import time
+import typing
 from dataclasses import dataclass
 
 from vpslam_tools import paths, processes, sources
 from vpslam_tools.benchmark import scores
 from vpslam_tools.benchmark.discovery import Found
 from vpslam_tools.errors import UserError
+from vpslam_tools.progress import QUIET_S
 
 WRONG_COMMAND_LINE = 2
 TEXTS = {".txt", ".csv", ".yaml", ".freiburg"}
@@ -41,6 +44,10 @@ class Job:
     frames: int         # how many it takes, or a guess
     title: str          # for the progress
     about: dict         # kept with the run, beside sequence, pace and seed
+    key: dict           # what the results follow from; a run with the same is not repeated
+    score: typing.Callable = scores.score  # (results folder) -> figures
+    stop_signal: int = signal.SIGINT       # ends it early
+    program: str = "`vpslam run`"          # what the command is, for messages
 
 
 def plan(found, options):
@@ -53,24 +60,32 @@ def folder_of(out, found, pace, seed):
     return out / "runs" / sources.short_name(found.sequence.folder) / f"{pace}-seed{seed}"
 
 
+@functools.lru_cache(maxsize=None)
 def programs_digest():
     # What a preset stands for is decided beside the programs.
-    digest = hashlib.sha256((paths.TOOLS / "presets.py").read_bytes())
-    for name in ("player", processes.DETECTOR, "frontend", "backend", "recorder"):
-        path = paths.binaries() / name
-        digest.update(path.read_bytes() if path.exists() else b"")
-    return digest.hexdigest()[:16]
+    return files_digest([paths.TOOLS / "presets.py"] + [paths.binaries() / name for name in (
+        "player", processes.DETECTOR, "frontend", "backend", "recorder")])
 
 
 def inputs_digest(command):
-    """Of the texts that a run reads: listing, calibration, truth, settings. Images are taken to stay
-    what they are."""
-    source = pathlib.Path(command[command.index("run") + 1])
+    """Of the texts that a run reads: sequence and settings."""
+    return files_digest(sequence_texts(command[command.index("run") + 1]) + [
+        pathlib.Path(command[index + 1]) for index, word in enumerate(command)
+        if word in ("--camera", "--config")])
+
+
+@functools.lru_cache(maxsize=None)
+def sequence_texts(source):
+    """Listing, calibration, truth. Images are taken to stay what they are."""
+    source = pathlib.Path(source)
     files = sorted(path for path in source.rglob("*") if path.suffix in TEXTS)
     files.append(source / "../../poses" / f"{source.name}.txt")  # KITTI's truth
     files.append(pathlib.Path(sources.published_camera(str(source)) or ""))
-    files += [pathlib.Path(command[index + 1]) for index, word in enumerate(command)
-              if word in ("--camera", "--config")]
+    return files
+
+
+def files_digest(files):
+    """Of their contents; one that is not there counts as empty."""
     digest = hashlib.sha256()
     for path in files:
         digest.update(path.read_bytes() if path.is_file() else b"")
@@ -99,32 +114,36 @@ def job_of(found, pace, seed, options, results, variant=None):
     """`variant`: name of what `options` stand for, where there are several."""
     frames = found.frames or 600
     title = ", ".join([found.sequence.name, variant or pace, f"seed {seed}"])
-    return Job(found, pace, seed, results, command_of(found, pace, seed, results, options),
+    command = command_of(found, pace, seed, results, options)
+    key = {"command": [word for word in command[4:] if word != str(results)],
+           "programs": programs_digest(), "inputs": inputs_digest(command)}
+    return Job(found, pace, seed, results, command,
                min(frames, options.frames) if options.frames else frames, title,
-               {"variant": variant} if variant else {})
+               {"variant": variant} if variant else {}, key)
 
 
-def run_jobs(jobs, tell, at_once=1):
-    """The runs, in the order of `jobs`; `at_once` at a time. What Ctrl-C interrupts is not kept."""
+def run_jobs(jobs, tell, at_once=1, on_run=lambda job, run: None):
+    """The runs, in the order of `jobs`; `at_once` at a time. What Ctrl-C interrupts is not kept.
+    on_run() is called after each of them, one call at a time."""
     clock = Clock([job.frames for job in jobs])
-    digest = programs_digest()
     children = Children()
+    one_call = threading.Lock()
 
     def do(index, job):
-        key = {"command": [word for word in job.command[4:] if word != str(job.results)],
-               "programs": digest, "inputs": inputs_digest(job.command)}
         title = f"[{index + 1}/{len(jobs)}] {job.title}"
-        run = read_complete(job.results, key)
+        run = read_complete(job)
         if run:
             clock.skip(index)
             tell(f"{title}: done before")
-            return run
-        run = run_one(job, children, lambda frame, line: tell(
-            f"{title}: {line}; {clock.at(index, frame)}"))
-        run.update(job.about, sequence=job.found.sequence.name, pace=job.pace, seed=job.seed,
-                   key=key, results=str(job.results))
-        write_json(job.results / "bench.json", run)
-        tell(f"{title}: {describe(run)}; {clock.at(index, job.frames)}")
+        else:
+            run = run_one(job, children, lambda frame, line: tell(
+                f"{title}: {line}; {clock.at(index, frame)}"))
+            run.update(job.about, sequence=job.found.sequence.name, pace=job.pace, seed=job.seed,
+                       key=job.key, results=str(job.results))
+            write_json(job.results / "bench.json", run)
+            tell(f"{title}: {describe(run)}; {clock.at(index, job.frames)}")
+        with one_call:
+            on_run(job, run)
         return run
 
     with concurrent.futures.ThreadPoolExecutor(at_once) as executor:
@@ -149,22 +168,22 @@ class Children:
 
     def __init__(self):
         self._lock = threading.Lock()
-        self._running = set()
+        self._running = {}  # process: the signal that ends it
         self.stopped = False
 
-    def start(self, command):
+    def start(self, command, stop_signal):
         with self._lock:
             if self.stopped:
                 raise Stopped
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                        text=True, errors="replace", stdin=subprocess.DEVNULL)
-            self._running.add(process)
+            self._running[process] = stop_signal
             return process
 
     def wait(self, process):
         status = process.wait()
         with self._lock:
-            self._running.discard(process)
+            self._running.pop(process)
             if self.stopped:
                 raise Stopped
         return status
@@ -172,25 +191,26 @@ class Children:
     def stop(self):
         with self._lock:
             self.stopped = True
-            for process in self._running:
-                process.send_signal(signal.SIGINT)
+            for process, stop_signal in self._running.items():
+                process.send_signal(stop_signal)
 
 
 def run_one(job, children, on_frame):
-    """on_frame(number, line of progress)"""
+    """on_frame(number, line of progress), now and then"""
     shutil.rmtree(job.results, ignore_errors=True)
     job.results.mkdir(parents=True)
-    began = time.monotonic()
+    began = last_told = time.monotonic()
     last_lines = []
-    process = children.start(job.command)
+    process = start(job, children)
     for line in process.stdout:
         last_lines = (last_lines + [line.rstrip()])[-6:]
         frame = re.match(r"frame (\d+) ", line)
-        if frame:
+        if frame and time.monotonic() >= last_told + QUIET_S / 2:
+            last_told = time.monotonic()
             on_frame(int(frame.group(1)), line.rstrip())
     status = children.wait(process)
     if status == WRONG_COMMAND_LINE:
-        raise UserError("`vpslam run` refuses the options:\n" + "\n".join(last_lines))
+        raise UserError(f"{job.program} refuses the options:\n" + "\n".join(last_lines))
     run = {"status": "failed", "why": f"failed: {last_lines[-1] if last_lines else status}",
            "exit_code": status, "wall_s": time.monotonic() - began}
     if status == 0 and (job.results / "summary.json").exists():
@@ -198,19 +218,27 @@ def run_one(job, children, on_frame):
         if run["summary"].get("interrupted"):
             run["why"] = "failed: it was interrupted"
         else:
-            run.update(status="done", why=None, scores=scores.score(job.results))
+            run.update(status="done", why=None, scores=job.score(job.results))
     return run
 
 
-def read_complete(results, key):
+def start(job, children):
     try:
-        run = json.loads((results / "bench.json").read_text())
+        return children.start(job.command, job.stop_signal)
+    except OSError as error:
+        raise UserError(f"{job.command[0]}: cannot be started ({error.strerror}); build it with "
+                        "`scripts/vpslam build`") from None
+
+
+def read_complete(job):
+    try:
+        run = json.loads((job.results / "bench.json").read_text())
     except (OSError, ValueError):
         return None
-    if not isinstance(run, dict) or run.get("key") != key or run.get("status") != "done":
+    if not isinstance(run, dict) or run.get("key") != job.key or run.get("status") != "done":
         return None
     try:
-        return dict(run, scores=scores.score(results))  # the way of scoring may have changed
+        return dict(run, scores=job.score(job.results))  # the way of scoring may have changed
     except OSError:
         return None
 

@@ -10,12 +10,16 @@ from vpslam_tools import evaluation, trajectory
 from vpslam_tools.errors import UserError
 
 
-def score(results):
-    """Figures of one results folder of `vpslam run`; None where there is nothing to compare."""
+def score(results, truth=None, least_frames=0):
+    """Figures of one results folder of `vpslam run`; None where there is nothing to compare.
+    truth: file with the true poses; default: the folder's own. least_frames: so many were to be
+    tracked, whatever the folder says."""
+    truth = truth or results / "truth.txt"
     with open(results / "frames.csv", encoding="utf-8") as file:
         frames = sum(1 for _ in csv.DictReader(file))
     # Frames that were dropped are in no table, but were there to be tracked.
-    frames = max(frames, json.loads((results / "summary.json").read_text())["frames"]["in"])
+    frames = max(frames, json.loads((results / "summary.json").read_text())["frames"]["in"],
+                 least_frames)
     figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
                "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None,
                "rpe_deg": None, "scale": None, "why": None}
@@ -26,11 +30,11 @@ def score(results):
         return figures
     figures["poses"] = len(estimate)
     figures["coverage"] = len(estimate) / frames if frames else 0.0
-    if not (results / "truth.txt").exists():
+    if not truth.exists():
         figures["why"] = "no truth"
         return figures
     try:
-        result = evaluation.evaluate(estimate, trajectory.read_trajectory(results / "truth.txt"))
+        result = evaluation.evaluate(estimate, trajectory.read_trajectory(truth))
     except UserError as error:
         figures["why"] = str(error)
         return figures
