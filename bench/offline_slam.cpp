@@ -1,6 +1,6 @@
 // The whole system in one process, in lockstep and without LCM: for profiling, debugging and
 // measuring. What it computes is what `scripts/vpslam run` computes in lockstep, and without
-// detector what it computes with `--preset points`.
+// detector what it computes with `--preset points`. `scripts/vpslam bench --suite spread` calls it.
 #include <cstdio>
 #include <exception>
 
@@ -30,16 +30,23 @@ struct Arguments {
   bool verbose = false;
 };
 
-void Run(const Arguments& arguments) {
+struct Settings {
+  explicit Settings(const Arguments& arguments)
+      : tracker(LoadSettings<TrackerOptions>(arguments.config, "frontend", arguments.set)),
+        mapper(LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set)),
+        detector(LoadSettings<DetectorOptions>(arguments.config, "vpdetector", arguments.set)) {}
+
+  TrackerOptions tracker;
+  MapperOptions mapper;
+  DetectorOptions detector;
+};
+
+void Run(const Arguments& arguments, const Settings& settings) {
   cv::setNumThreads(1);
   const auto source = OpenSource(arguments.sequence, arguments.source);
-  Tracker tracker(source->camera(),
-                  LoadSettings<TrackerOptions>(arguments.config, "frontend", arguments.set),
-                  arguments.seed);
-  Mapper mapper(source->camera(),
-                LoadSettings<MapperOptions>(arguments.config, "backend", arguments.set));
-  const Detector detector(source->camera(), LoadSettings<DetectorOptions>(
-                                                arguments.config, "vpdetector", arguments.set));
+  Tracker tracker(source->camera(), settings.tracker, arguments.seed);
+  Mapper mapper(source->camera(), settings.mapper);
+  const Detector detector(source->camera(), settings.detector);
   RunRecord record;
   const auto take = [&](const Tracker::Output& output) {
     for (const FramePose& pose : output.poses) {
@@ -89,11 +96,17 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.set);
   app.add_flag("--no-detector", arguments.no_detector, "points alone, as --preset points");
   app.add_flag("--verbose", arguments.verbose);
-  CLI11_PARSE(app, argc, argv);
+  constexpr int kFailed = 1, kUsage = 2;
+  int fault = kUsage;
   try {
-    vpslam::Run(arguments);
+    app.parse(argc, argv);
+    const vpslam::Settings settings(arguments);
+    fault = kFailed;
+    vpslam::Run(arguments, settings);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kUsage;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "offline_slam: %s\n", e.what());
-    return 1;
+    return fault;
   }
 }
