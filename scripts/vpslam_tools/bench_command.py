@@ -16,7 +16,7 @@ def add_parser(commands):
                                        suites.ALL.items()))
     parser.add_argument("--data", metavar="FOLDER",
                         help="what to measure on; default: ../shared/data for shared, "
-                        "ablation and york, datasets/SUITE for tum, euroc, icl and kitti")
+                        "ablation, spread and york, datasets/SUITE for tum, euroc, icl and kitti")
     parser.add_argument("--out", metavar="DIR",
                         help="folder for the results, made if missing; runs that are complete there "
                         "are not repeated (default: results/bench-SUITE)")
