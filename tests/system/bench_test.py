@@ -1,5 +1,6 @@
 """`vpslam bench` on a folder in TUM's layout, as a newcomer has one: a trajectory, a table, pictures."""
 
+import csv
 import json
 import pathlib
 import unittest
@@ -36,6 +37,27 @@ class Bench(system.SystemTest):
         status, output = self.bench(folder, out)
         self.assertEqual(status, 0, output)
         self.assertIn("done before", output)
+
+    def test_spread_against_settings(self):
+        out = self.folder / "out"
+        arguments = ("--suite", "spread", "--data", system.sequence(), "--sequence",
+                     system.sequence().name, "--out", out, "--frames", "90", "--runs", "2", "--set",
+                     "frontend.num_features_to_start=1000", "--against", "defaults")
+        status, output = self.finish(self.start(*arguments, command="bench"))
+        self.assertEqual(status, 0, output)
+        with open(out / "runs.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(row["start"], row["seed"], row["frames"]) for row in rows],
+                         [("0", "1", "90"), ("1", "2", "90")])
+        for row in rows:
+            self.assertGreaterEqual(float(row["coverage"]), 0.9)
+            self.assertLess(float(row["ate_m"]), MAX_ATE_M)
+        with open(out / "comparison.csv", encoding="utf-8") as file:
+            lines = {(line["metric"], line["sequence"]): line for line in csv.DictReader(file)}
+        ate = lines["ate_m", "all"]
+        self.assertEqual((ate["pairs"], ate["equal"]), ("2", "0"))  # the settings reach one side
+        status, output = self.finish(self.start(*arguments, command="bench"))
+        self.assertEqual(output.count("done before"), 4, output)
 
 
 if __name__ == "__main__":
