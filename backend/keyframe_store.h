@@ -3,10 +3,10 @@
 
 #include <map>
 
+#include "core/base/ids.h"
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
-#include "core/map/ids.h"
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 
 namespace vpslam {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
+#include "core/features/manhattan_quality.h"
 #include "core/geometry/axis_naming.h"
 #include "core/geometry/so3.h"
-#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {

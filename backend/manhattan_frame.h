@@ -13,8 +13,8 @@
 #include <Eigen/Geometry>
 
 #include "backend/mapper_options.h"
+#include "core/features/line_set.h"
 #include "core/map/map.h"
-#include "core/messages/line_set.h"
 
 namespace vpslam {
 

@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "core/features/manhattan_quality.h"
 #include "core/geometry/so3.h"
-#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {

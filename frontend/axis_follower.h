@@ -22,8 +22,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/features/line_set.h"
 #include "core/geometry/axis_naming.h"
-#include "core/messages/line_set.h"
 
 namespace vpslam {
 

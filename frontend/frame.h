@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
+#include "core/features/line_set.h"
 #include "core/geometry/se3.h"
-#include "core/map/ids.h"
-#include "core/messages/line_set.h"
 #include "core/messages/stages.h"
 
 namespace vpslam {

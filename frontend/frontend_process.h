@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "core/base/pace.h"
+#include "core/features/line_set.h"
 #include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
-#include "core/messages/line_set.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"
 #include "core/transport/camera_link.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/features/manhattan_quality.h"
 #include "core/features/matcher.h"
 #include "core/geometry/axis_naming.h"
 #include "core/geometry/so3.h"
-#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 
 namespace vpslam {
 

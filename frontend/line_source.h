@@ -8,8 +8,8 @@
 #include <span>
 
 #include "core/base/pace.h"
+#include "core/features/line_set.h"
 #include "core/messages/image_frame.h"
-#include "core/messages/line_set.h"
 #include "core/messages/lines_request.h"
 #include "core/transport/bus.h"
 #include "core/transport/peers.h"

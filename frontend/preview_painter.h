@@ -12,8 +12,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
-#include "core/messages/line_set.h"
 
 namespace vpslam {
 

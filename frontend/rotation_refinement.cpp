@@ -8,9 +8,9 @@
 
 #include "core/estimation/absolute_rotation.h"
 #include "core/estimation/linear_translation.h"
+#include "core/features/manhattan_quality.h"
 #include "core/geometry/axis_naming.h"
 #include "core/geometry/so3.h"
-#include "core/messages/manhattan_quality.h"
 
 namespace vpslam {
 namespace {

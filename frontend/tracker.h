@@ -9,12 +9,12 @@
 #include <memory>
 #include <vector>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
 #include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/image_frame.h"
 #include "core/messages/keyframe_proposal.h"
-#include "core/messages/line_set.h"
 #include "core/messages/map_delta.h"
 #include "frontend/tracker_options.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/map/ids.h"
+#include "core/base/ids.h"
 #include "core/map/map.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/map_delta.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/geometry/se3.h"
-#include "core/map/ids.h"
 #include "recorder/run_record.h"
 
 namespace vpslam {

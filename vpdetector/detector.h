@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
-#include "core/messages/line_set.h"
 #include "vpdetector/line_descriptor.h"
 #include "vpdetector/line_extractor.h"
 #include "vpdetector/vp_estimator.h"

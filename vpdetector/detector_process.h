@@ -14,7 +14,7 @@
 #include <span>
 #include <string>
 
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 #include "core/transport/bus.h"
 #include "core/transport/camera_link.h"
 #include "core/transport/image_message.h"

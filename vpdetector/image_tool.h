@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
-#include "core/messages/line_set.h"
 #include "vpdetector/detector.h"
 
 namespace vpslam {

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
-#include "core/messages/line_set.h"
 #include "vpdetector/edge_fit.h"
 #include "vpdetector/two_line_grid.h"
 #include "vpdetector/vp_ransac.h"

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <limits>
 
 namespace vpslam {
+
+/// Milliseconds of a stage that did not run.
+inline constexpr double kNotRun = std::numeric_limits<double>::quiet_NaN();
 
 class Stopwatch {
  public:

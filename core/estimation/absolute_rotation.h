@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
-#include "core/messages/line_set.h"
 
 namespace vpslam {
 

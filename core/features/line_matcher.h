@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 
 #include "core/features/features.h"
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 
 namespace vpslam {
 
-/// A segment in undistorted px, oriented as core/messages/line_set.h says.
+/// A segment in undistorted px, oriented as core/features/line_set.h says.
 struct ImageSegment {
   Eigen::Vector2d start_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d end_px = Eigen::Vector2d::Zero();

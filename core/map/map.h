@@ -15,10 +15,10 @@
 
 #include <Eigen/Core>
 
+#include "core/base/ids.h"
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/sim3.h"
-#include "core/map/ids.h"
 #include "core/messages/map_delta.h"
 
 namespace vpslam {
@@ -47,7 +47,7 @@ struct MapPoint : Landmark<PointId> {
 };
 
 /// An infinite line, and how much of it was seen. From start to end it runs as its segments do, see
-/// core/messages/line_set.h.
+/// core/features/line_set.h.
 struct MapLine : Landmark<LineId> {
   Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< in world
   Eigen::Vector3d end = Eigen::Vector3d::Zero();

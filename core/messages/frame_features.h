@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "core/features/features.h"
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 #include "core/messages/stages.h"
 
 namespace vpslam {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "core/base/ids.h"
 #include "core/geometry/se3.h"
-#include "core/map/ids.h"
 #include "core/messages/stages.h"
 
 namespace vpslam {

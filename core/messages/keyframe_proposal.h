@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "core/base/ids.h"
 #include "core/features/features.h"
+#include "core/features/line_set.h"
 #include "core/geometry/se3.h"
-#include "core/map/ids.h"
-#include "core/messages/line_set.h"
 #include "core/messages/map_delta.h"
 
 namespace vpslam {

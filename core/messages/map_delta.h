@@ -12,9 +12,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/base/ids.h"
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
-#include "core/map/ids.h"
 #include "core/messages/stages.h"
 
 namespace vpslam {

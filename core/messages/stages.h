@@ -1,11 +1,9 @@
 // Time spent per stage of the work on one frame or keyframe, in ms; NaN where a stage did not run.
 #pragma once
 
-#include <limits>
+#include "core/base/stopwatch.h"
 
 namespace vpslam {
-
-inline constexpr double kNotRun = std::numeric_limits<double>::quiet_NaN();
 
 /// The columns of frames.csv.
 struct TrackingTimes {

@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
 #include "core/messages/command.h"
 #include "core/messages/frame_features.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/keyframe_proposal.h"
-#include "core/messages/line_set.h"
 #include "core/messages/lines_request.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"

@@ -15,9 +15,9 @@
 #include <Eigen/Geometry>
 
 #include "core/estimation/line_residual.h"
+#include "core/features/line_set.h"
 #include "core/geometry/camera.h"
 #include "core/geometry/so3.h"
-#include "core/messages/line_set.h"
 #include "tests/unit/synthetic_scene.h"
 
 namespace vpslam {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/messages/line_set.h"
+#include "core/features/line_set.h"
 
 namespace vpslam {
 

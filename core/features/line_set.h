@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/base/stopwatch.h"
 #include "core/features/features.h"
-#include "core/messages/stages.h"
 
 namespace vpslam {
 

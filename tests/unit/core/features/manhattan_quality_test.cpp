@@ -1,4 +1,4 @@
-#include "core/messages/manhattan_quality.h"
+#include "core/features/manhattan_quality.h"
 
 #include <limits>
 
