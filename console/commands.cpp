@@ -3,7 +3,7 @@
 #include <array>
 #include <sstream>
 
-#include "core/transport/validate.h"
+#include "core/messages/names.h"
 
 namespace vpslam {
 namespace {

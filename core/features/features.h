@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "core/base/description.h"
+
 namespace vpslam {
 
 /// 256 bits of ORB or LBD.
@@ -33,6 +35,18 @@ struct Keypoint {
   int16_t edge_mrad = 0;  ///< direction of that edge, in [0, 1000 pi)
 
   Eigen::Vector2d Position() const { return {x_px, y_px}; }
+
+  static constexpr const char* kWireName = "keypoint_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [x_px, y_px, angle_rad, response, octave, roundness_per_10000, edge_mrad] = m;
+    v("x_px", x_px, kPixel);
+    v("y_px", y_px, kPixel);
+    v("angle_rad", angle_rad, Within{-10, 10});
+    v("response", response);
+    v("octave", octave, Between{0, 32});
+    v("roundness_per_10000", roundness_per_10000, Between{0, 10000});
+    v("edge_mrad", edge_mrad);
+  }
 };
 
 /// keypoints[i] belongs to descriptors[i].

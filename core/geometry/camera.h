@@ -23,6 +23,24 @@ struct Camera {
   /// Why this is no usable camera (a size or focal length <= 0, a NaN, ...); nullopt if it is one.
   std::optional<std::string> Validate() const;
 
+  /// See core/base/description.h.
+  static constexpr const char* kWireName = "camera_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [width, height, fps, fx, fy, cx, cy, k1, k2, p1, p2, k3] = m;
+    v("width", width);
+    v("height", height);
+    v("fps", fps);
+    v("fx", fx);
+    v("fy", fy);
+    v("cx", cx);
+    v("cy", cy);
+    v("k1", k1);
+    v("k2", k2);
+    v("k3", k3);
+    v("p1", p1);
+    v("p2", p2);
+  }
+
   /// Undistorted pixel of a point in camera coordinates; the caller makes sure that z > 0.
   Eigen::Vector2d Project(const Eigen::Vector3d& x_cam) const {
     return {fx * x_cam.x() / x_cam.z() + cx, fy * x_cam.y() / x_cam.z() + cy};

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/map/map.h"
+#include "core/messages/array_lengths.h"
 
 namespace vpslam {
 namespace {
@@ -9,17 +10,15 @@ namespace {
 // A part stays below one UDP datagram (65 kB), so that no message is ever fragmented: losing a
 // fragment loses the message, and the kernel may cap the buffer at 213 kB.
 constexpr size_t kMaxPartBytes = 48'000;
-constexpr size_t kKeyframeBytes = 160;
-constexpr size_t kObservationBytes = 8;
-constexpr size_t kLineBytes = 72;
-constexpr size_t kManhattanBytes = 40;
-constexpr size_t kAppearanceBytes = 48;
-constexpr size_t kGeometryBytes = 32;
-constexpr size_t kTombstoneBytes = 8;
 
 /// Fills parts one after the other, opening a new one when the present is full.
 class PartWriter {
  public:
+  /// Adds an element to one of the lists of a part.
+  template <class T>
+  void Add(std::vector<T> MapDelta::*list, T element) {
+    (Room(WireBytes<T>()).*list).push_back(std::move(element));
+  }
   MapDelta& Room(size_t bytes) {
     if (parts_.empty() || (used_ > 0 && used_ + bytes > kMaxPartBytes)) {
       parts_.emplace_back();
@@ -65,40 +64,39 @@ std::vector<MapDelta> Map::Parts(const MapChanges& changes) const {
   PartWriter writer;
   // Points and lines before the keyframes that observe them, so that no part refers to what is
   // still to come.
-  for (const MapId map : changes.erased_maps) writer.Room(4).erased_maps.push_back(map);
+  for (const MapId map : changes.erased_maps) writer.Add(&MapDelta::erased_maps, map);
   for (const MapId map : changes.merged_maps) {
-    writer.Room(8).merged_maps.push_back({map, merged_maps_.at(map)});
+    writer.Add(&MapDelta::merged_maps, {map, merged_maps_.at(map)});
   }
   for (const PointId id : changes.appearances) {
     const MapPoint& p = points_[id.value];
-    writer.Room(kAppearanceBytes).appearances.push_back({p.id, p.map, p.reference, p.descriptor});
+    writer.Add(&MapDelta::appearances, {p.id, p.map, p.reference, p.descriptor});
   }
   for (const PointId id : changes.geometries) {
     const MapPoint& p = points_[id.value];
-    writer.Room(kGeometryBytes)
-        .geometries.push_back({p.id, p.position.cast<float>(), p.normal.cast<float>(),
-                               static_cast<float>(p.max_distance)});
+    writer.Add(&MapDelta::geometries, {p.id, p.position.cast<float>(), p.normal.cast<float>(),
+                                       static_cast<float>(p.max_distance)});
   }
   for (const LineId id : changes.lines) {
     const MapLine& l = lines_[id.value];
-    writer.Room(kLineBytes)
-        .lines.push_back({l.id, l.map, l.reference, l.start.cast<float>(), l.end.cast<float>(),
-                          l.descriptor, l.axis});
+    writer.Add(&MapDelta::lines, {l.id, l.map, l.reference, l.start.cast<float>(),
+                                  l.end.cast<float>(), l.descriptor, l.axis});
   }
   for (const KeyframeId id : changes.keyframes) {
     KeyframeState state = State(keyframes_[id.value]);
-    const size_t bytes =
-        kKeyframeBytes + kObservationBytes * (state.points.size() + state.lines.size());
+    const size_t bytes = WireBytes<KeyframeState>() +
+                         WireBytes<FeatureObservation<PointId>>() * state.points.size() +
+                         WireBytes<FeatureObservation<LineId>>() * state.lines.size();
     writer.Room(bytes).keyframes.push_back(std::move(state));
   }
   for (const PointId id : changes.tombstones) {
-    writer.Room(kTombstoneBytes).tombstones.push_back({id, points_[id.value].replacement});
+    writer.Add(&MapDelta::tombstones, {id, points_[id.value].replacement});
   }
   for (const LineId id : changes.line_tombstones) {
-    writer.Room(kTombstoneBytes).line_tombstones.push_back({id, lines_[id.value].replacement});
+    writer.Add(&MapDelta::line_tombstones, {id, lines_[id.value].replacement});
   }
   for (const MapId map : changes.manhattan_frames) {
-    writer.Room(kManhattanBytes).manhattan_frames.push_back({map, WorldFromManhattan(map)});
+    writer.Add(&MapDelta::manhattan_frames, {map, WorldFromManhattan(map)});
   }
   return writer.Finish();
 }

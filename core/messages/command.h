@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/base/description.h"
+
 namespace vpslam {
 
 enum class CommandAction : int32_t {
@@ -21,6 +23,16 @@ struct Command {
   std::string target;  ///< process name; empty: everyone whom it concerns
   CommandAction action = CommandAction::kStop;
   double value = 0;  ///< what kStep and kSetRate need
+
+  static constexpr const char* kWireName = "command_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [target, action, value] = m;
+    using enum CommandAction;
+    v("target", target, ProcessName{.may_be_empty = true});
+    v("action", action,
+      OneOf<kStop, kSaveNow, kSendCamera, kPause, kResume, kStep, kSetRate, kShow>());
+    v("value", value, Within{0, 1e9});
+  }
 };
 
 }  // namespace vpslam

@@ -6,7 +6,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
+#include "core/base/description.h"
 #include "core/features/features.h"
 #include "core/features/line_set.h"
 #include "core/messages/stages.h"
@@ -21,6 +24,24 @@ struct FrameFeatures {
   double features_ms = kNotRun;  ///< spent on finding them
   Features features;
   std::shared_ptr<const LineSet> lines;  ///< nullptr: tracked without lines
+
+  static constexpr const char* kWireName = "features_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [frame_seq, stamp_us, published_us, decode_ms, features_ms, features, lines] = m;
+    v("frame_seq", frame_seq, kNotNegative);
+    v("stamp_us", stamp_us);
+    v("published_us", published_us);
+    v("decode_ms", decode_ms, Duration());
+    v("features_ms", features_ms, Duration());
+    v.Array("num_features", "keypoints", features.keypoints);
+    v.Array("num_features", "descriptors", features.descriptors);
+    v.Optional("has_lines", lines, LineSet(), [](auto& visitor, auto& set) {
+      visitor.Nested("line_set", set, LineSetSummary());
+      visitor.Array("num_lines", "lines", set.lines);
+      visitor.Array("num_vanishing_points", "vanishing_points", set.vanishing_points);
+    });
+  }
+  std::optional<std::string> Validate() const { return lines ? lines->Validate() : std::nullopt; }
 };
 
 }  // namespace vpslam

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
+#include "core/base/description.h"
 #include "core/base/ids.h"
 #include "core/geometry/se3.h"
 #include "core/messages/stages.h"
@@ -35,6 +38,33 @@ struct FramePose {
   int32_t matches = 0;
   KeyframeId keyframe;  ///< the keyframe that this frame became; invalid if none
   TrackingTimes times;
+
+  static constexpr const char* kWireName = "pose_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [frame_seq, stamp_us, image_published_us, state, live, map, cam_from_world, reference,
+           cam_from_reference, covariance, inliers, matches, keyframe, times] = m;
+    using enum TrackingState;
+    v("frame_seq", frame_seq, kNotNegative);
+    v("stamp_us", stamp_us);
+    v("image_published_us", image_published_us);
+    v("state", state, OneOf<kInitialising, kTracking, kLost>());
+    v("live", live);
+    v("map_id", map);
+    v("cam_from_world", cam_from_world);
+    v("reference", reference);
+    v("cam_from_reference", cam_from_reference);
+    v("covariance", covariance);
+    v("inliers", inliers, kNotNegative);
+    v("matches", matches, kNotNegative);
+    v("keyframe", keyframe);
+    v("times", times);
+  }
+  std::optional<std::string> Validate() const {
+    if (state == TrackingState::kTracking && !(map.IsValid() && reference.IsValid())) {
+      return "a tracked pose needs a map and a reference keyframe";
+    }
+    return std::nullopt;
+  }
 };
 
 }  // namespace vpslam

@@ -6,12 +6,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/base/description.h"
 #include "core/base/ids.h"
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
@@ -24,6 +27,13 @@ template <class Id>
 struct FeatureObservation {
   int32_t feature = 0;
   Id landmark;
+
+  static constexpr const char* kWireName = "observation_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [feature, landmark] = m;
+    v("feature", feature, kFeatureIndex);
+    v("landmark", landmark, Required());
+  }
 };
 
 struct KeyframeState {
@@ -40,6 +50,23 @@ struct KeyframeState {
   double unit = 1;      ///< lengths now per lengths when the keyframe was made
   std::vector<FeatureObservation<PointId>> points;
   std::vector<FeatureObservation<LineId>> lines;
+
+  static constexpr const char* kWireName = "keyframe_state_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [id, map, frame_seq, stamp_us, culled, cam_from_world, parent, cam_from_parent, unit,
+           points, lines] = m;
+    v("id", id, Required());
+    v("map_id", map, Required());
+    v("frame_seq", frame_seq, kNotNegative);
+    v("stamp_us", stamp_us);
+    v("culled", culled);
+    v("cam_from_world", cam_from_world);
+    v("parent", parent);
+    v("cam_from_parent", cam_from_parent);
+    v("unit", unit, Within{std::numeric_limits<double>::min(), kMaxLength});
+    v.SizeOf("observations", points);
+    v.SizeOf("line_observations", lines);
+  }
 };
 
 /// What local bundle adjustment moves.
@@ -48,6 +75,15 @@ struct PointGeometry {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< in world
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< mean unit vector from point to cameras
   float max_distance = 0;  ///< farthest distance from which level 0 can show it
+
+  static constexpr const char* kWireName = "point_geometry_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [id, position, normal, max_distance] = m;
+    v("id", id, Required());
+    v("position", position, kCoordinate);
+    v("normal", normal, Within{-1 - kUnitTolerance, 1 + kUnitTolerance});
+    v("max_distance", max_distance, kLength);
+  }
 };
 
 /// What changes rarely.
@@ -56,6 +92,15 @@ struct PointAppearance {
   MapId map;
   KeyframeId reference;
   Descriptor descriptor{};
+
+  static constexpr const char* kWireName = "point_appearance_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [id, map, reference, descriptor] = m;
+    v("id", id, Required());
+    v("map_id", map, Required());
+    v("reference", reference);
+    v("descriptor", descriptor);
+  }
 };
 
 /// See core/map/map.h.
@@ -67,6 +112,18 @@ struct LineState {
   Eigen::Vector3f end = Eigen::Vector3f::Zero();
   Descriptor descriptor{};
   int32_t axis = -1;
+
+  static constexpr const char* kWireName = "map_line_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [id, map, reference, start, end, descriptor, axis] = m;
+    v("id", id, Required());
+    v("map_id", map, Required());
+    v("reference", reference);
+    v("start", start, kCoordinate);
+    v("end", end, kCoordinate);
+    v("descriptor", descriptor);
+    v("axis", axis, Between{-1, 2});
+  }
 };
 
 /// The point or line is gone; where it was fused into another, `replacement` is valid.
@@ -74,18 +131,48 @@ template <class Id>
 struct Tombstone {
   Id id;
   Id replacement;
+
+  static constexpr const char* kWireName = "tombstone_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [id, replacement] = m;
+    v("id", id, Required());
+    v("replacement", replacement);
+  }
+  std::optional<std::string> Validate() const {
+    if (id == replacement) return "replaced by itself";
+    return std::nullopt;
+  }
 };
 
 /// The Manhattan frame of a map; see backend/manhattan_frame.h.
 struct MapManhattan {
   MapId map;
   std::optional<Eigen::Quaterniond> world_from_manhattan;  ///< none (any more)
+
+  static constexpr const char* kWireName = "manhattan_frame_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [map, world_from_manhattan] = m;
+    v("map_id", map, Required());
+    v.Optional("exists", world_from_manhattan, Eigen::Quaterniond::Identity(),
+               [](auto& visitor, auto& rotation) { visitor("world_from_manhattan", rotation); });
+  }
 };
 
 /// All of map `from` belongs to map `into` now.
 struct MapMerger {
   MapId from;
   MapId into;
+
+  static constexpr const char* kWireName = "map_merger_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [from, into] = m;
+    v("from", from, Required());
+    v("into", into, Required());
+  }
+  std::optional<std::string> Validate() const {
+    if (from == into) return "merged into itself";
+    return std::nullopt;
+  }
 };
 
 struct MapDelta {
@@ -104,6 +191,33 @@ struct MapDelta {
   std::vector<LineState> lines;  ///< new and changed
   std::vector<Tombstone<LineId>> line_tombstones;
   std::vector<MapManhattan> manhattan_frames;
+
+  static constexpr const char* kWireName = "map_delta_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [base_version, version, snapshot, answers, times, erased_maps, merged_maps, keyframes,
+           appearances, geometries, tombstones, lines, line_tombstones, manhattan_frames] = m;
+    v("base_version", base_version);
+    v("version", version);
+    v("snapshot", snapshot);
+    v("answers", answers);
+    v("times", times);
+    v.Array("num_erased_maps", "erased_maps", erased_maps, Required());
+    v.Array("num_merged_maps", "merged_maps", merged_maps);
+    v.Array("num_keyframes", "keyframes", keyframes);
+    v.Pool("num_observations", "observations", keyframes, &KeyframeState::points);
+    v.Array("num_appearances", "appearances", appearances);
+    v.Array("num_geometries", "geometries", geometries);
+    v.Array("num_tombstones", "tombstones", tombstones);
+    v.Pool("num_line_observations", "line_observations", keyframes, &KeyframeState::lines);
+    v.Array("num_lines", "lines", lines);
+    v.Array("num_line_tombstones", "line_tombstones", line_tombstones);
+    v.Array("num_manhattan_frames", "manhattan_frames", manhattan_frames);
+  }
+  std::optional<std::string> Validate() const {
+    // Within a snapshot versions run downwards from 0.
+    if (version < base_version && base_version > 0) return "versions out of order";
+    return std::nullopt;
+  }
 };
 
 }  // namespace vpslam

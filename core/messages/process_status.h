@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/base/description.h"
+
 namespace vpslam {
 
 /// Changes with every incompatible change of a message or of the flow.
@@ -18,6 +20,8 @@ enum class ProcessState : int32_t {
 };
 
 struct ProcessStatus {
+  static constexpr std::size_t kMaxMessageLength = 1024;
+
   std::string process;  ///< player, frontend, ...
   int32_t pid = 0;
   int32_t protocol_version = kProtocolVersion;
@@ -31,7 +35,28 @@ struct ProcessStatus {
   int64_t resent = 0;
   double cpu_s = 0;  ///< user + system, since start
   double rss_peak_mb = 0;
-  std::string message;  ///< for people; may be empty
+  std::string message;  ///< for people; at most kMaxMessageLength, may be empty
+
+  static constexpr const char* kWireName = "status_t";
+  static void Describe(auto& v, auto& m) {
+    auto& [process, pid, protocol_version, state, rate_hz, processed, queued, dropped, gaps,
+           rejected, resent, cpu_s, rss_peak_mb, message] = m;
+    using enum ProcessState;
+    v("process", process, ProcessName());
+    v("pid", pid, kNotNegative);
+    v("protocol_version", protocol_version);
+    v("state", state, OneOf<kStarting, kReady, kRunning, kFinished, kFailed>());
+    v("rate_hz", rate_hz, Within{0, 1e9});
+    v("processed", processed, kNotNegative);
+    v("queued", queued, kNotNegative);
+    v("dropped", dropped, kNotNegative);
+    v("gaps", gaps, kNotNegative);
+    v("rejected", rejected, kNotNegative);
+    v("resent", resent, kNotNegative);
+    v("cpu_s", cpu_s, Within{0, 1e12});
+    v("rss_peak_mb", rss_peak_mb, Within{0, 1e12});
+    v("message", message, Text{kMaxMessageLength});
+  }
 };
 
 }  // namespace vpslam

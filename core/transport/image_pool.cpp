@@ -14,8 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/transport/validate.h"
-
 namespace vpslam {
 namespace {
 

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "core/transport/channels.h"
-#include "core/transport/validate.h"
 
 namespace vpslam {
 namespace {
@@ -17,7 +16,8 @@ constexpr std::chrono::seconds kPeriod{1};
 // Anything may stand in the text of an exception.
 std::string Printable(std::string text) {
   std::replace(text.begin(), text.end(), '\0', ' ');
-  if (text.size() > kMaxTextLength) text.resize(kMaxTextLength);
+  constexpr std::size_t kMaxLength_bytes = ProcessStatus::kMaxMessageLength;
+  if (text.size() > kMaxLength_bytes) text.resize(kMaxLength_bytes);
   return text;
 }
 

@@ -1,266 +1,215 @@
-// Messages with every field set at random (but sound), for round trips.
+// Messages with every member set at random, but sound: drawn from their descriptions.
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <map>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "core/transport/validate.h"
+#include "core/geometry/camera.h"
+#include "core/messages/frame_features.h"
+#include "core/messages/frame_pose.h"
+#include "core/messages/keyframe_proposal.h"
+#include "core/messages/map_delta.h"
+#include "core/messages/preview.h"
+#include "core/messages/visitor.h"
+#include "core/transport/ack.h"
+#include "core/transport/codec.h"
+#include "core/transport/image_message.h"
 
 namespace vpslam::test {
 
-class RandomMessages {
+class RandomNumbers {
  public:
-  explicit RandomMessages(uint64_t seed) : random_(seed) {}
+  explicit RandomNumbers(uint64_t seed) : random_(seed) {}
 
-  int Int(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
-  int64_t Long() { return std::uniform_int_distribution<int64_t>(0, int64_t{1} << 60)(random_); }
+  template <class T = int>
+  T Int(T low, T high) {
+    return std::uniform_int_distribution<T>(low, high)(random_);
+  }
   double Real(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
   bool Bool() { return Int(0, 1) == 1; }
 
-  SE3 Pose() {
-    return SE3(Eigen::Quaterniond(Real(-1, 1), Real(-1, 1), Real(-1, 1), Real(0.1, 1)),
-               {Real(-9, 9), Real(-9, 9), Real(-9, 9)});
-  }
-  Descriptor Bits() { return {random_(), random_(), random_(), random_()}; }
-  Features SomeFeatures(int n) {
-    Features f;
-    for (int i = 0; i < n; ++i) {
-      f.keypoints.push_back({static_cast<float>(Real(-50, 700)), static_cast<float>(Real(-50, 500)),
-                             static_cast<float>(Real(0, 6.28)), static_cast<float>(Real(0, 255)),
-                             Int(0, 7), static_cast<int16_t>(Int(0, 10000)),
-                             static_cast<int16_t>(Int(0, 3141))});
-      f.descriptors.push_back(Bits());
-    }
-    return f;
-  }
-  double Time() { return Bool() ? kNotRun : Real(0, 100); }
+ private:
+  std::mt19937_64 random_;
+};
 
-  Header SomeHeader() {
-    Header h;
-    h.session = Long();
-    h.seq = Long();
-    h.oldest_seq = h.seq / 2;
-    h.stamp_us = Long();
-    return h;
-  }
+/// Visits a message and draws each member by its rule.
+class Drawer : public Visitor<Drawer> {
+ public:
+  /// Arrays of a length that is not among `lengths` get up to 20 elements.
+  Drawer(RandomNumbers& random, std::map<std::string, int, std::less<>> lengths)
+      : random_(random), lengths_(std::move(lengths)) {}
 
-  Camera SomeCamera() {
-    Camera c;
-    c.width = Int(16, 2000);
-    c.height = Int(16, 2000);
-    c.fps = Real(1, 100);
-    c.fx = Real(100, 1000);
-    c.fy = Real(100, 1000);
-    c.cx = Real(1, 15);
-    c.cy = Real(1, 15);
-    c.k1 = Real(-0.1, 0.1);
-    c.k2 = Real(-0.1, 0.1);
-    c.p1 = Real(-0.01, 0.01);
-    c.p2 = Real(-0.01, 0.01);
-    c.k3 = Real(-0.01, 0.01);
-    return c;
+  template <class T, class R>
+  void Leaf(const char*, T& value, R rule) {
+    Draw(value, rule);
   }
-
-  ImageMessage Image(bool is_inline) {
-    ImageMessage m;
-    m.frame_seq = Long();
-    m.stamp_us = Long();
-    m.published_us = Long();
-    m.decode_ms = Time();
-    m.width = Int(1, 40);
-    m.height = Int(1, 40);
-    if (is_inline) {
-      for (int i = 0; i < m.width * m.height; ++i) m.bytes.push_back(Int(0, 255));
-    } else {
-      m.segment = "/vpslam-test_1";
-      m.slot = Int(0, 9);
-      m.generation = 2 * Int(1, 1000);
-    }
-    return m;
+  template <class T, class R = AnyValue>
+  void Array(const char* length, const char* name, T& vector, R rule = {}) {
+    vector.resize(lengths_.try_emplace(length, random_.Int(0, 20)).first->second);
+    Visitor::Array(length, name, vector, rule);
   }
-
-  FrameFeatures SomeFrameFeatures() {
-    FrameFeatures f{Long(), Long(), Long(), Time(), Time(), SomeFeatures(Int(0, 30)), nullptr};
-    if (Bool()) f.lines = std::make_shared<const LineSet>(Lines());
-    return f;
+  template <class T>
+  void SizeOf(const char*, T& vector) {
+    vector.resize(random_.Int(0, 20));
   }
-
-  LineSet Lines() {
-    LineSet s;
-    s.frame_seq = Long();
-    s.stamp_us = Long();
-    s.manhattan = Bool() ? ManhattanState::kThree : ManhattanState::kTwo;
-    s.cam_from_manhattan = Pose().rotation;
-    for (int i = 0; i < 9; ++i) s.covariance_rad2(i) = Real(-1, 1);
-    s.lines_ms = Real(0, 9);
-    s.descriptors_ms = Real(0, 9);
-    s.vps_ms = Real(0, 9);
-    const int num_vps = Int(3, 5);
-    for (int i = 0; i < num_vps; ++i) {
-      VanishingPoint vp;
-      vp.direction_in_cam = Eigen::Vector3d(Real(-1, 1), Real(-1, 1), Real(0.1, 1)).normalized();
-      for (int j = 0; j < 4; ++j) vp.covariance_rad2(j) = Real(-1, 1);
-      vp.support = Int(0, 50);
-      s.vanishing_points.push_back(vp);
-    }
-    for (int i = Int(0, 20); i > 0; --i) {
-      LineSegment line;
-      line.start_px = {static_cast<float>(Real(0, 640)), static_cast<float>(Real(0, 480))};
-      line.end_px = {static_cast<float>(Real(0, 640)), static_cast<float>(Real(0, 480))};
-      line.sigma_px = static_cast<float>(Real(0, 2));
-      line.descriptor = Bits();
-      line.has_descriptor = Bool();
-      line.label = Int(-1, num_vps - 1);
-      s.lines.push_back(line);
-    }
-    return s;
+  template <class T, class Member>
+  void Pool(const char* length, const char* name, T& owners, Member member) {
+    for (auto& owner : owners) Visitor::Array(length, name, owner.*member);
   }
-
-  TrackingTimes Times() {
-    return {Time(), Time(), Time(), Time(), Time(), Time(), Time(), Time(), Time(), Time(), Time()};
-  }
-
-  FramePose SomeFramePose() {
-    FramePose p;
-    p.frame_seq = Long();
-    p.stamp_us = Long();
-    p.image_published_us = Long();
-    p.state = static_cast<TrackingState>(Int(0, 2));
-    p.live = Bool();
-    p.map = MapId(Int(0, 9));
-    p.cam_from_world = Pose();
-    p.reference = KeyframeId(Int(0, 999));
-    p.cam_from_reference = Pose();
-    for (int i = 0; i < 36; ++i) p.covariance(i) = Real(-1, 1);
-    p.inliers = Int(0, 999);
-    p.matches = Int(0, 999);
-    p.keyframe = KeyframeId(Int(-1, 999));
-    p.times = Times();
-    return p;
-  }
-
-  Truth SomeTruth() { return {Long(), Long(), Pose()}; }
-
-  KeyframeProposal Keyframe(int num_features) {
-    KeyframeProposal k;
-    k.id = KeyframeId(Int(0, 999));
-    k.role = KeyframeRole::kMapSecond;
-    k.map = MapId(Int(0, 9));
-    k.discarded_map = MapId(Int(-1, 9));
-    k.frame_seq = Long();
-    k.stamp_us = Long();
-    k.cam_from_world = Pose();
-    k.reference = KeyframeId(Int(-1, 999));
-    k.features = SomeFeatures(num_features);
-    for (int i = 0; i < num_features; ++i) k.points.push_back(PointId(Int(-1, 9999)));
-    for (int i = Int(0, 20); i > 0; --i) {
-      k.sightings.push_back({PointId(Int(0, 9999)), Int(0, 9), Int(0, 9)});
-    }
-    for (int i = 0; i < num_features; i += 2) {
-      k.initial_points.push_back({Int(0, 1999), i, {Real(-9, 9), Real(-9, 9), Real(-9, 9)}});
-    }
-    k.lines = Lines();
-    for (size_t i = 0; i < k.lines.lines.size(); ++i) k.map_lines.push_back(LineId(Int(-1, 9999)));
-    k.seam.map = MapId(Int(-1, 9));
-    k.seam.cam_from_world = Pose();
-    for (int i = 0; i < num_features; i += 3) k.seam.points.push_back({i, PointId(Int(0, 9999))});
-    return k;
-  }
-
-  MapDelta Delta(int num_points) {
-    MapDelta d;
-    d.base_version = Int(0, 99);
-    d.version = d.base_version + 1;
-    d.snapshot = Bool();
-    d.answers = KeyframeId(Int(-1, 99));
-    d.times = {Time(), Time(), Time(), Time(), Time(), Time()};
-    for (int i = Int(0, 3); i > 0; --i) d.erased_maps.push_back(MapId(Int(0, 9)));
-    for (int i = Int(0, 3); i > 0; --i) d.merged_maps.push_back({MapId(i), MapId(Int(10, 19))});
-    for (int i = Int(0, 5); i > 0; --i) {
-      KeyframeState k;
-      k.id = KeyframeId(Int(0, 99));
-      k.map = MapId(Int(0, 9));
-      k.frame_seq = Long();
-      k.stamp_us = Long();
-      k.culled = Bool();
-      k.cam_from_world = Pose();
-      k.parent = KeyframeId(Int(-1, 99));
-      k.cam_from_parent = Pose();
-      k.unit = Real(0.1, 9);
-      for (int j = Int(0, 30); j > 0; --j) {
-        k.points.push_back({Int(0, 999), PointId(Int(0, 9999))});
-      }
-      for (int j = Int(0, 9); j > 0; --j) {
-        k.lines.push_back({Int(0, 99), LineId(Int(0, 9999))});
-      }
-      d.keyframes.push_back(k);
-    }
-    for (int i = 0; i < num_points; ++i) {
-      d.appearances.push_back(
-          {PointId(Int(0, 9999)), MapId(Int(0, 9)), KeyframeId(Int(-1, 99)), Bits()});
-      PointGeometry g;
-      g.id = PointId(Int(0, 9999));
-      g.position = Eigen::Vector3d(Real(-9, 9), Real(-9, 9), Real(-9, 9)).cast<float>();
-      g.normal = Eigen::Vector3d(Real(-1, 1), Real(-1, 1), Real(0.1, 1)).normalized().cast<float>();
-      g.max_distance = static_cast<float>(Real(0, 99));
-      d.geometries.push_back(g);
-    }
-    for (int i = Int(0, 9); i > 0; --i) {
-      d.tombstones.push_back({PointId(Int(0, 9999)), PointId(Int(10000, 20000))});
-    }
-    for (int i = Int(0, 9); i > 0; --i) {
-      const auto end = [&]() -> Eigen::Vector3f {
-        return Eigen::Vector3d(Real(-9, 9), Real(-9, 9), Real(-9, 9)).cast<float>();
-      };
-      d.lines.push_back({LineId(Int(0, 9999)), MapId(Int(0, 9)), KeyframeId(Int(-1, 99)), end(),
-                         end(), Bits(), Int(-1, 2)});
-      d.line_tombstones.push_back({LineId(Int(0, 9999)), LineId(Int(10000, 20000))});
-    }
-    d.manhattan_frames.push_back({MapId(3), std::nullopt});
-    d.manhattan_frames.push_back({MapId(4), Pose().rotation});
-    return d;
-  }
-
-  MapRequest SomeMapRequest() { return {"frontend", Long()}; }
-  LinesRequest SomeLinesRequest() { return {Long(), Long(), Long()}; }
-  Ack SomeAck() {
-    Ack a{"IMAGE", Long(), "backend", Long(), 0};
-    a.done = a.received - Int(0, 5);
-    return a;
-  }
-  Command SomeCommand() { return {"player", static_cast<CommandAction>(Int(3, 9)), Real(0, 99)}; }
-  RunDescription SomeRunDescription() {
-    return {static_cast<uint64_t>(Long()), "abc1234", "{\"preset\": \"points\"}"};
-  }
-  ProcessStatus Status() {
-    ProcessStatus s;
-    s.process = "vpdetector-2";
-    s.pid = Int(1, 99999);
-    s.protocol_version = Int(1, 9);
-    s.state = static_cast<ProcessState>(Int(0, 4));
-    s.rate_hz = Real(0, 99);
-    s.processed = Long();
-    s.queued = Long();
-    s.dropped = Long();
-    s.gaps = Long();
-    s.rejected = Long();
-    s.resent = Long();
-    s.cpu_s = Real(0, 99);
-    s.rss_peak_mb = Real(0, 99);
-    s.message = "it is what it is";
-    return s;
-  }
-  Preview SomePreview() {
-    Preview p{Long(), Long(), {}};
-    for (int i = Int(1, 99); i > 0; --i) p.jpeg.push_back(Int(0, 255));
-    return p;
+  template <class P, class T, class F>
+  void Optional(const char*, P& pointer, T value, F&& describe) {
+    if (random_.Bool()) return;
+    describe(*this, value);
+    SetOptional(&pointer, std::move(value));
   }
 
  private:
-  std::mt19937_64 random_;
+  template <class T>
+  void Draw(T& value, AnyValue) {
+    if constexpr (requires { value.IsValid(); }) {
+      value = T(random_.Int(-1, kMaxId));
+    } else {
+      ForEachScalar(value, [this](auto& scalar) {
+        using Scalar = std::decay_t<decltype(scalar)>;
+        if constexpr (std::is_same_v<Scalar, bool>) {
+          scalar = random_.Bool();
+        } else if constexpr (std::is_floating_point_v<Scalar>) {
+          scalar = static_cast<Scalar>(random_.Real(-1e3, 1e3));
+        } else {
+          scalar = static_cast<Scalar>(random_.Int(std::numeric_limits<int64_t>::min(),
+                                                   std::numeric_limits<int64_t>::max()));
+        }
+      });
+    }
+    if constexpr (IsRotation<T>) value.normalize();
+  }
+  template <class T>
+  void Draw(T& id, Required) {
+    id = T(random_.Int(0, kMaxId));
+  }
+  template <class T>
+  void Draw(T& value, Between range) {
+    const auto high = std::min<int64_t>(range.high, std::numeric_limits<T>::max());
+    value = static_cast<T>(random_.Int(range.low, high));
+  }
+  template <class T>
+  void Draw(T& value, Within range) {
+    ForEachScalar(value, [&](auto& scalar) {
+      scalar = static_cast<std::decay_t<decltype(scalar)>>(
+          random_.Real(std::max(range.low, -1e3), std::min(range.high, 1e3)));
+    });
+  }
+  void Draw(double& ms, Duration) {
+    ms = random_.Bool() ? std::numeric_limits<double>::quiet_NaN() : random_.Real(0, 100);
+  }
+  template <class T>
+  void Draw(T& vector, UnitLength) {
+    Draw(vector, Within{-1, 1});
+    vector.normalize();
+  }
+  template <class T, auto... values>
+  void Draw(T& value, OneOf<values...>) {
+    const T all[] = {values...};
+    value = all[random_.Int<int>(0, sizeof...(values) - 1)];
+  }
+  void Draw(std::string& name, ProcessName) { Draw(name, Text{20}); }
+  void Draw(std::string& text, Text) {
+    text.resize(random_.Int(1, 20));
+    for (char& c : text) c = static_cast<char>(random_.Int<int>('a', 'z'));
+  }
+
+  RandomNumbers& random_;
+  std::map<std::string, int, std::less<>> lengths_;
+};
+
+/// Makes the members of a message fit each other, where their own rules do not see to that.
+class Repairer : public RandomNumbers {
+ public:
+  using RandomNumbers::RandomNumbers;
+
+  template <class T>
+  void Repair(T*) {}
+  void Repair(Header* h) {
+    h->last = false;
+    h->oldest_seq %= h->seq + 1;
+  }
+  void Repair(Camera* c) {
+    c->width = Int(16, 2000);
+    c->height = Int(16, 2000);
+    c->fps = Real(1, 100);
+    c->fx = Real(100, 1000);
+    c->fy = Real(100, 1000);
+    c->cx = Real(1, 15);
+    c->cy = Real(1, 15);
+    for (double* k : {&c->k1, &c->k2, &c->k3, &c->p1, &c->p2}) *k = Real(-0.01, 0.01);
+  }
+  void Repair(ImageMessage* m) {
+    m->width = Int(1, 40);
+    m->height = Int(1, 40);
+    m->bytes.clear();
+    if (Bool()) {
+      m->segment.clear();
+      for (int i = 0; i < m->width * m->height; ++i) m->bytes.push_back(Int(0, 255));
+    } else {
+      m->segment = "/vpslam-test_1";
+      m->slot = Int(0, 9);
+      m->generation = 2 * Int(1, 1000);
+    }
+  }
+  void Repair(LineSet* s) {
+    const int num_vps = static_cast<int>(s->vanishing_points.size());
+    if (num_vps < 3) s->manhattan = ManhattanState::kNone;
+    for (LineSegment& line : s->lines) line.label = Int(-1, num_vps - 1);
+  }
+  void Repair(FrameFeatures* f) {
+    if (!f->lines) return;
+    LineSet lines = *f->lines;
+    Repair(&lines);
+    f->lines = std::make_shared<const LineSet>(std::move(lines));
+  }
+  void Repair(FramePose* p) {
+    if (p->state != TrackingState::kTracking) return;
+    p->map.value = std::max(p->map.value, 0);
+    p->reference.value = std::max(p->reference.value, 0);
+  }
+  void Repair(KeyframeProposal* k) {
+    Repair(&k->lines);
+    const int n = k->features.size();
+    if (n == 0) k->initial_points.clear();
+    if (n == 0) k->seam.points.clear();
+    if (!k->initial_points.empty()) k->role = KeyframeRole::kMapSecond;
+    for (InitialPoint& p : k->initial_points) p.feature_in_second %= n;
+    for (auto& p : k->seam.points) p.feature %= n;
+  }
+  void Repair(MapDelta* d) {
+    if (d->version < d->base_version) std::swap(d->version, d->base_version);
+  }
+  void Repair(Preview* p) { p->jpeg.push_back(1); }
+  void Repair(Ack* a) { a->done = std::min(a->done, a->received); }
+};
+
+class RandomMessages : public Repairer {
+ public:
+  using Repairer::Repairer;
+
+  template <class T>
+  T Make(std::map<std::string, int, std::less<>> lengths = {}) {
+    T message;
+    Drawer drawer(*this, std::move(lengths));
+    Description<T>::Visit(drawer, message);
+    Repair(&message);
+    return message;
+  }
 };
 
 }  // namespace vpslam::test

@@ -116,7 +116,7 @@ TEST(Peers, FailureAndSilenceAreTold) {
 
 TEST(CameraLink, ALateProcessGetsTheCamera) {
   Bus bus(Memory());
-  const Camera camera = RandomMessages(1).SomeCamera();
+  const Camera camera = RandomMessages(1).Make<Camera>();
   CameraBeacon beacon(bus, camera);
   std::this_thread::sleep_for(50ms);
   CameraReceiver late(bus);
