@@ -15,7 +15,7 @@ namespace {
 /// keyframe alone shows only part of what a camera nearby sees.
 int MatchPlace(const TrackingContext& context, KeyframeId keyframe_id, int neighbours,
                Frame* frame) {
-  frame->points.assign(frame->features.size(), PointId());
+  frame->ForgetMatches();
   std::vector<KeyframeId> keyframes{keyframe_id};
   for (const auto& [other, shared] : context.map.Covisible(keyframe_id, 15)) {
     if (static_cast<int>(keyframes.size()) > neighbours) break;
@@ -88,16 +88,19 @@ bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
          Refine(context, context.map.Find(keyframe)->map, whereabouts, frame);
 }
 
-bool Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
-                       const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame) {
+std::optional<MapId> Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
+                                       const Whereabouts& whereabouts, std::mt19937_64& rng,
+                                       Frame* frame) {
   index_.Update(context.map, except);
   const auto places =
       index_.Query(context.map, frame->features.descriptors, options_.relocalizer.max_candidates);
   for (const auto& [keyframe, votes] : places) {
-    if (TryPlace(context, keyframe, whereabouts, rng, frame)) return true;
+    if (TryPlace(context, keyframe, whereabouts, rng, frame)) {
+      return context.map.Find(keyframe)->map;
+    }
   }
   frame->ForgetMatches();
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace vpslam

@@ -2,6 +2,7 @@
 // (core/map/place_index.h), features against the points there, PnP, and then the local map.
 #pragma once
 
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -19,9 +20,11 @@ class Relocalizer {
       : options_(options), index_(options.relocalizer.places) {}
 
   /// In any map but those in `except` (ascending). Places that `whereabouts` don't allow need more
-  /// evidence. On success the frame has its pose and its matches; otherwise it has no matches.
-  bool Find(const TrackingContext& context, const std::vector<MapId>& except,
-            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
+  /// evidence. Returns the map in which the frame was found; the frame then has its pose, and
+  /// matches with points of that map only, whatever it was matched with before. On failure it has
+  /// no matches.
+  std::optional<MapId> Find(const TrackingContext& context, const std::vector<MapId>& except,
+                            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
 
  private:
   bool TryPlace(const TrackingContext& context, KeyframeId keyframe, const Whereabouts& whereabouts,

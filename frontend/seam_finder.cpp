@@ -15,13 +15,16 @@ std::optional<MapSeam> SeamFinder::Look(const TrackingContext& context, const Fr
   if (std::includes(except.begin(), except.end(), maps.begin(), maps.end())) return std::nullopt;
   frames_to_wait_ = options_.interval_frames;
   Frame elsewhere = frame;
-  if (!relocalizer->Find(context, except, Whereabouts(), rng, &elsewhere)) return std::nullopt;
+  const auto other = relocalizer->Find(context, except, Whereabouts(), rng, &elsewhere);
+  if (!other) return std::nullopt;
   MapSeam seam;
+  seam.map = *other;
   int common = 0;
   for (int i = 0; i < frame.features.size(); ++i) {
     const MapPoint* point = context.map.Find(elsewhere.points[i]);
     if (!point) continue;
-    seam.map = point->map;
+    // The pose then rests on two systems of coordinates, and is in neither.
+    if (point->map != seam.map) return std::nullopt;
     seam.points.push_back({i, point->id});
     common += context.map.Find(frame.points[i]) != nullptr;
   }

@@ -256,7 +256,7 @@ class Tracker::Impl {
     bool relocalized = false;
     if (!placed && !on_probation_) {
       relocalized = placed =
-          relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame);
+          relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame).has_value();
     }
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;

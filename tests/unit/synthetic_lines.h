@@ -181,7 +181,7 @@ class SyntheticLineMap {
       if (segments.at(k).SegmentOf(l) >= 0) observers.push_back(k);
     }
     if (observers.size() < 2) return LineId();
-    const LineId id = map.map.CreateLine(MapId(0), observers.front(), start, end);
+    const LineId id = map.map.CreateLine(map.map_id, observers.front(), start, end);
     for (const KeyframeId k : observers) map.map.Observe(k, segments.at(k).SegmentOf(l), id);
     map.map.SetDescriptor(id, lines.lines[l].descriptor);
     map.map.SetAxis(id, lines.lines[l].axis);

@@ -13,7 +13,7 @@ bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame,
   std::mt19937_64 rng(seed);
   TrackerOptions tracking;
   tracking.relocalizer = options;
-  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame);
+  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame).has_value();
 }
 
 TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
