@@ -232,14 +232,13 @@ class Tracker::Impl {
     output->poses.push_back(ToPose(frame, state_));
   }
 
-  void Return(const Frame& frame) {
-    map_id_ = map_.Find(frame.reference)->map;
+  void Return(MapId map, const Frame& frame) {
+    map_id_ = map;
     late_.Return({history_.begin(), history_.end()}, frame);
     history_.clear();
     bridge_.ForgetNearEnd();
     whereabouts_.Forget();
     initializer_.Reset();
-    poses_.ForgetDirections();
   }
 
   // ---- Tracking ----
@@ -253,21 +252,23 @@ class Tracker::Impl {
     if (last_) FollowMap(map_, &*last_, velocity_ ? &*velocity_ : nullptr);
     bool placed =
         state_ == TrackingState::kTracking && last_ && poses_.TrackFrom(*last_, velocity_, &frame);
-    bool relocalized = false;
+    std::optional<MapId> found_in;
     if (!placed && !on_probation_) {
-      relocalized = placed =
-          relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame).has_value();
+      found_in = relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame);
+      placed = found_in.has_value();
+      if (found_in) poses_.ForgetDirections();  // they are of another world, or of elsewhere
     }
+    const bool relocalized = found_in.has_value();
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;
-    if (placed) placed = poses_.TrackLocalMap(map_id_, rng_, &frame, &local);
+    if (placed) placed = poses_.TrackLocalMap(found_in.value_or(map_id_), rng_, &frame, &local);
     frame.times.local_map_ms = stopwatch.Lap_ms();
     ++frames_since_keyframe_;
     if (!placed) {
       if (on_probation_) return GiveUpMap(frame, output);
       return Lose(frame, output);
     }
-    if (relocalized) Return(frame);
+    if (relocalized) Return(*found_in, frame);
     state_ = TrackingState::kTracking;
     const auto seam =
         on_probation_ || relocalized || unanswered_ >= options_.keyframes.max_unanswered_when_weak

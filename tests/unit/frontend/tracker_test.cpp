@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/sim3.h"
+#include "core/geometry/so3.h"
 #include "tests/unit/frontend/lockstep.h"
 
 namespace vpslam {
@@ -150,6 +151,39 @@ TEST_F(CarriedAway, BackInTheOldMapItIsFoundThereAtOnce) {
   EXPECT_EQ(pose.state, TrackingState::kTracking);
   EXPECT_EQ(pose.map, MapId(0)) << "the jump loses map 1, and map 0 has the place";
   EXPECT_EQ(run.replica.num_merged(), 0) << "nothing shows both";
+}
+
+TEST_F(CarriedAway, FoundInAnotherMapItIsMeasuredAgainstThatMapsAxes) {
+  GoFarAway();
+  constexpr int64_t kSeq = kWalk - 5;
+  constexpr int kPlace = -21;
+  SE3 in_map_0;
+  ASSERT_EQ(run.poses.at(kSeq).map, MapId(0));
+  ASSERT_TRUE(run.PoseOf(kSeq, &in_map_0));
+  const Eigen::Quaterniond axes =
+      in_map_0.rotation.conjugate() * OnTheWay(places[static_cast<size_t>(kSeq)]).rotation;
+  LineSet lines;
+  lines.manhattan = ManhattanState::kThree;
+  lines.cam_from_manhattan = OnTheWay(kPlace).rotation;
+  lines.covariance_rad2 = 1e-6 * Eigen::Matrix3d::Identity();
+  lines.vanishing_points.assign(3, {.support = 20});
+  /// Of a tracker that is lost in map 1, when it is back in map 0.
+  const auto rotation_with = [&](MapId map, double axes_off_rad) {
+    Map owner = run.replica;
+    owner.SetManhattan(map, axes * ExpSo3({0, axes_off_rad, 0}));
+    Tracker again(Room().camera, TrackerOptions(), 2);
+    for (const MapDelta& delta : owner.Snapshot()) EXPECT_TRUE(again.Apply(delta));
+    ImageFrame image;
+    image.pixels = ImageOf(kPlace);
+    const FramePose pose = again.Track(image, [&] { return &lines; }).poses.front();
+    EXPECT_EQ(pose.state, TrackingState::kTracking);
+    EXPECT_EQ(pose.map, MapId(0));
+    return pose.cam_from_world.rotation.coeffs();
+  };
+  const double off_rad = 0.05;  // of the 8 degrees that are let in, 3
+  EXPECT_EQ(rotation_with(MapId(1), 0), rotation_with(MapId(1), off_rad))
+      << "what map 1 says of its axes has no meaning in map 0";
+  EXPECT_NE(rotation_with(MapId(0), 0), rotation_with(MapId(0), off_rad));
 }
 
 TEST_F(CarriedAway, MapsThatMeetAreMerged) {
