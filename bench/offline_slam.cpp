@@ -48,7 +48,7 @@ void Run(const Arguments& arguments, const Settings& settings) {
   Mapper mapper(source->camera(), settings.mapper);
   const Detector detector(source->camera(), settings.detector);
   RunRecord record;
-  const auto take = [&](const Tracker::Output& output) {
+  const auto take_poses = [&](const Tracker::Output& output) {
     for (const FramePose& pose : output.poses) {
       record.Add(pose);
       if (arguments.verbose) {
@@ -57,6 +57,8 @@ void Run(const Arguments& arguments, const Settings& settings) {
                      pose.inliers, pose.matches, pose.keyframe.value);
       }
     }
+  };
+  const auto take_keyframes = [&](const Tracker::Output& output) {
     for (const KeyframeProposal& proposal : output.keyframes) {
       for (const MapDelta& delta : mapper.Process(proposal)) {
         if (!tracker.Apply(delta) || !record.Apply(delta)) {
@@ -74,9 +76,13 @@ void Run(const Arguments& arguments, const Settings& settings) {
     image.pixels = frame->grey;
     LineSet lines;
     const auto detect = [&] { return &(lines = detector.Detect(image.pixels)); };
-    take(tracker.Track(image, arguments.no_detector ? GetLines() : GetLines(detect)));
+    // As in the graph: deltas are applied when both have been tracked.
+    const auto live = tracker.Track(image, arguments.no_detector ? GetLines() : GetLines(detect));
+    const auto late = tracker.TrackLate();
+    for (const auto* output : {&live, &late}) take_poses(*output);
+    for (const auto* output : {&live, &late}) take_keyframes(*output);
   }
-  take(tracker.Finish());
+  take_poses(tracker.Finish());
   WriteResults(record, RunInfo(), ResultsFolder(arguments.out));
 }
 

@@ -133,8 +133,7 @@ bool FrontendProcess::Process(const Images::Item& item) {
   Tracker::Output output = Track(features, get_lines);
   get_lines();  // not before they are there is a detector done with the image's slot
   if (bus_.interrupted()) return false;
-  OfferPreview(features, image->pixels);
-  return Publish(&output, features, waits);
+  return Publish(std::move(output), features, waits, image->pixels);
 }
 
 bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
@@ -142,8 +141,7 @@ bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
   Waits waits;
   waits.transport_ms = ElapsedMs(features.published_us);
   Tracker::Output output = Track(features, [&] { return features.lines.get(); });
-  OfferPreview(features, cv::Mat());
-  return Publish(&output, features, waits);
+  return Publish(std::move(output), features, waits, cv::Mat());
 }
 
 Tracker::Output FrontendProcess::Track(const FrameFeatures& features, const GetLines& lines) {
@@ -161,9 +159,9 @@ void FrontendProcess::OfferPreview(const FrameFeatures& features, const cv::Mat&
   });
 }
 
-bool FrontendProcess::Publish(Tracker::Output* output, const FrameFeatures& features,
-                              const Waits& waits) {
-  for (FramePose& pose : output->poses) {
+bool FrontendProcess::Publish(Tracker::Output live, const FrameFeatures& features,
+                              const Waits& waits, const cv::Mat& image) {
+  for (FramePose& pose : live.poses) {
     if (!pose.live || pose.frame_seq != features.frame_seq) continue;
     pose.image_published_us = features.published_us;
     pose.times.decode_ms = features.decode_ms;
@@ -175,19 +173,29 @@ bool FrontendProcess::Publish(Tracker::Output* output, const FrameFeatures& feat
     }
     pose.times.total_ms = ElapsedMs(features.published_us);
   }
-  if (!SendPoses(output->poses)) return false;
-  for (const KeyframeProposal& keyframe : output->keyframes) {
+  if (!Send(live)) return false;
+  // Behind what others wait for, and while the backend works.
+  if (features_ && !features_->Send(features)) return false;
+  OfferPreview(features, image);
+  const Tracker::Output late = tracker_->track_late();
+  if (!Send(late)) return false;
+  if (live.keyframes.empty() && late.keyframes.empty()) return true;
+  const bool is_start = std::any_of(live.keyframes.begin(), live.keyframes.end(),
+                                    [](const auto& k) { return k.role != KeyframeRole::kRegular; });
+  return WaitUntilMapFollows(is_start);
+}
+
+bool FrontendProcess::Send(const Tracker::Output& output) {
+  if (!SendPoses(output.poses)) return false;
+  for (const KeyframeProposal& keyframe : output.keyframes) {
     if (!keyframes_.Send(keyframe)) return false;
     unanswered_.push_back(keyframe.id);
   }
-  // Behind what others wait for, and while the backend works.
-  if (features_ && !features_->Send(features)) return false;
-  return output->keyframes.empty() || WaitUntilMapFollows(output->keyframes);
+  return true;
 }
 
-bool FrontendProcess::WaitUntilMapFollows(const std::vector<KeyframeProposal>& proposed) {
+bool FrontendProcess::WaitUntilMapFollows(bool is_start) {
   // Without the first views of a map there is nothing to track in.
-  const bool is_start = proposed.back().role != KeyframeRole::kRegular;
   if (pace_ == Pace::kLockstep || is_start) return WaitForAnswers(0);
   return pace_ == Pace::kRealtime || WaitForAnswers(kLosslessUnanswered - 1);
 }

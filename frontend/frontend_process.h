@@ -43,6 +43,7 @@ namespace vpslam {
 struct TrackerCalls {
   std::function<FrameFeatures(const ImageFrame&)> extract;
   std::function<Tracker::Output(const FrameFeatures&, const GetLines&)> track;
+  std::function<Tracker::Output()> track_late;
   std::function<bool(const MapDelta&)> apply;
   std::function<Tracker::Output()> finish;
   std::function<int64_t()> map_version;
@@ -90,12 +91,15 @@ class FrontendProcess {
   };
   Tracker::Output Track(const FrameFeatures& features, const GetLines& lines);
   void OfferPreview(const FrameFeatures& features, const cv::Mat& image);
-  bool Publish(Tracker::Output* output, const FrameFeatures& features, const Waits& waits);
+  /// Publishes what the image brought, then has earlier frames tracked and publishes those.
+  bool Publish(Tracker::Output live, const FrameFeatures& features, const Waits& waits,
+               const cv::Mat& image);
+  bool Send(const Tracker::Output& output);
   bool Finish();
   bool SendPoses(const std::vector<FramePose>& poses);
   /// Takes the map over, if there is one already.
   bool CatchUp();
-  bool WaitUntilMapFollows(const std::vector<KeyframeProposal>& proposed);
+  bool WaitUntilMapFollows(bool is_start);
   bool WaitForAnswers(size_t max_unanswered);
   void TakeWhatCame();
   void AskForSnapshot();

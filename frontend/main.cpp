@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
                           [&](const FrameFeatures& features, const GetLines& lines) {
                             return tracker->Track(features, lines);
                           },
+                          [&] { return tracker->TrackLate(); },
                           [&](const MapDelta& delta) { return tracker->Apply(delta); },
                           [&] { return tracker->Finish(); },
                           [&] { return tracker->map_version(); },

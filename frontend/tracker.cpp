@@ -74,6 +74,12 @@ class Tracker::Impl {
     } else {
       TrackInMap(std::move(frame), &output);
     }
+    proposed_live_ = output.keyframes.size();
+    return output;
+  }
+
+  Output TrackLate() {
+    Output output;
     for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output, true);
     return output;
   }
@@ -327,7 +333,7 @@ class Tracker::Impl {
     const auto seam = bridge_.SeamAt(map_, *frame);
     if (has_pose && !(seam && may_propose)) return late_.EndWalk();
     const bool is_keyframe =
-        may_propose && unanswered_ == 0 && output->keyframes.size() < 2 &&
+        may_propose && unanswered_ == 0 && proposed_live_ + output->keyframes.size() < 2 &&
         late_.frames_since_keyframe() >= options_.late_frames_per_keyframe &&
         (seam || IsWeaklyTracked(*frame, frame->reference, map_, options_.keyframes));
     if (is_keyframe) {
@@ -387,6 +393,7 @@ class Tracker::Impl {
   int32_t next_map_ = 0, next_keyframe_ = 0;
   int frames_since_keyframe_ = 0;
   int unanswered_ = 0;
+  size_t proposed_live_ = 0;     ///< keyframes, by the last call to Track
   std::optional<Frame> last_;    ///< the last frame, while tracking
   std::optional<SE3> velocity_;  ///< this frame's camera from the last one's
   /// Frames that may be placed later: since before the map, until it has passed its probation;
@@ -413,6 +420,7 @@ FrameFeatures Tracker::Extract(const ImageFrame& image) { return impl_->Extract(
 Tracker::Output Tracker::Track(FrameFeatures features, const GetLines& lines) {
   return impl_->Track(std::move(features), lines);
 }
+Tracker::Output Tracker::TrackLate() { return impl_->TrackLate(); }
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
 Tracker::Output Tracker::Finish() { return impl_->Finish(); }
 void Tracker::SetUnanswered(int keyframes) { impl_->SetUnanswered(keyframes); }

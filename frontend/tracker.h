@@ -28,10 +28,10 @@ class Tracker {
  public:
   /// What one step brings, to be published in this order.
   struct Output {
-    /// Of the image, and of earlier ones that could be placed only now (their `live` is false).
+    /// Of the image; and of earlier ones that could be placed only now: their `live` is false.
     std::vector<FramePose> poses;
-    /// At most two: those that start a map, or the image and an earlier one. In lockstep, nothing
-    /// more goes into the tracker until the map delta that answers the last of them was applied.
+    /// At most two: those that start a map. In lockstep, once both Track and TrackLate are done, no
+    /// image goes into the tracker until the map delta that answers the last of them was applied.
     std::vector<KeyframeProposal> keyframes;
   };
 
@@ -46,6 +46,12 @@ class Tracker {
   Output Track(const ImageFrame& image, const GetLines& lines = {}) {
     return Track(Extract(image), lines);
   }
+
+  /// Places earlier frames that could not be placed when they came; a bounded number of them. Call
+  /// it once after each Track, when what that brought is published, since others wait for the pose
+  /// of the image; and before further deltas are applied, so that the result depends on the order
+  /// of the calls alone.
+  Output TrackLate();
 
   /// Returns false if the delta does not fit the version that the replica has: ask for a snapshot.
   bool Apply(const MapDelta& delta);

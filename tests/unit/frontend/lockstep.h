@@ -53,15 +53,16 @@ class Lockstep {
     frame.frame_seq = next_seq_++;
     frame.stamp_us = 1000 * frame.frame_seq;
     frame.pixels = image;
-    const Tracker::Output output = tracker.Track(frame);
-    Take(output);
-    for (const FramePose& pose : output.poses) {
+    const Tracker::Output live = tracker.Track(frame), late = tracker.TrackLate();
+    for (const auto* output : {&live, &late}) TakePoses(*output);
+    for (const auto* output : {&live, &late}) TakeKeyframes(*output);
+    for (const FramePose& pose : live.poses) {
       if (pose.frame_seq == frame.frame_seq) return pose;
     }
     ADD_FAILURE() << "no pose for frame " << frame.frame_seq;
     return {};
   }
-  void Finish() { Take(tracker.Finish()); }
+  void Finish() { TakePoses(tracker.Finish()); }
   void Walk(int begin, int end) {
     for (int i = begin; i < end; ++i) Track(ImageOf(i));
   }
@@ -79,7 +80,7 @@ class Lockstep {
   }
 
  private:
-  void Take(const Tracker::Output& output) {
+  void TakePoses(const Tracker::Output& output) {
     for (FramePose pose : output.poses) {
       poses[pose.frame_seq] = pose;
       first_poses.try_emplace(pose.frame_seq, pose);
@@ -87,6 +88,8 @@ class Lockstep {
       pose.times = TrackingTimes();
       Append(Encode(Header(), pose));
     }
+  }
+  void TakeKeyframes(const Tracker::Output& output) {
     for (const KeyframeProposal& proposal : output.keyframes) {
       keyframes.push_back(proposal);
       Append(Encode(Header(), proposal));

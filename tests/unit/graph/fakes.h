@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <set>
 #include <string>
 #include <thread>
@@ -76,6 +77,7 @@ class FakeTracker {
   TrackerCalls Calls() {
     return {[](const ImageFrame& image) { return Extract(image); },
             [this](const FrameFeatures& f, const GetLines& lines) { return Track(f, lines); },
+            [this] { return TrackLate(); },
             [this](const MapDelta& delta) { return Apply(delta); },
             [this] { return Finish(); },
             [this] { return version_; },
@@ -114,6 +116,12 @@ class FakeTracker {
     return output;
   }
 
+  Tracker::Output TrackLate() {
+    log_.push_back("late");
+    if (on_late_) on_late_();
+    return {};
+  }
+
   bool Apply(const MapDelta& delta) {
     if (refuse_version_ == delta.version && !delta.snapshot) {
       refuse_version_ = -1;
@@ -137,6 +145,7 @@ class FakeTracker {
   }
 
   std::vector<std::string> log_;
+  std::function<void()> on_late_;
   std::set<KeyframeId> replica_;
   std::vector<int64_t> frames_of_lines_;  ///< per image; -1: none
   std::vector<int> unanswered_;           ///< per image: keyframes without an answer
