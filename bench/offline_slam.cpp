@@ -3,6 +3,8 @@
 // detector what it computes with `--preset points`. `scripts/vpslam bench --suite spread` calls it.
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
@@ -48,7 +50,7 @@ void Run(const Arguments& arguments, const Settings& settings) {
   Mapper mapper(source->camera(), settings.mapper);
   const Detector detector(source->camera(), settings.detector);
   RunRecord record;
-  const auto take_poses = [&](const Tracker::Output& output) {
+  const auto take_poses = [&](const TrackerOutput& output) {
     for (const FramePose& pose : output.poses) {
       record.Add(pose);
       if (arguments.verbose) {
@@ -58,7 +60,7 @@ void Run(const Arguments& arguments, const Settings& settings) {
       }
     }
   };
-  const auto take_keyframes = [&](const Tracker::Output& output) {
+  const auto take_keyframes = [&](const TrackerOutput& output) {
     for (const KeyframeProposal& proposal : output.keyframes) {
       for (const MapDelta& delta : mapper.Process(proposal)) {
         if (!tracker.Apply(delta) || !record.Apply(delta)) {
@@ -74,11 +76,13 @@ void Run(const Arguments& arguments, const Settings& settings) {
     image.stamp_us = frame->stamp_us;
     image.decode_ms = frame->decode_ms;
     image.pixels = frame->grey;
-    LineSet lines;
-    const auto detect = [&] { return &(lines = detector.Detect(image.pixels)); };
+    FrameFeatures features = tracker.Extract(image);
+    if (!arguments.no_detector) {
+      features.lines = std::make_shared<const LineSet>(detector.Detect(image.pixels));
+    }
     // As in the graph: deltas are applied when both have been tracked.
-    const auto live = tracker.Track(image, arguments.no_detector ? GetLines() : GetLines(detect));
-    const auto late = tracker.TrackLate();
+    const TrackerOutput live = tracker.Track(std::move(features));
+    const TrackerOutput late = tracker.TrackLate();
     for (const auto* output : {&live, &late}) take_poses(*output);
     for (const auto* output : {&live, &late}) take_keyframes(*output);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -10,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/transport/channels.h"
 #include "core/transport/clock.h"
+#include "core/transport/interrupted.h"
 
 namespace vpslam {
 namespace {
@@ -79,29 +79,38 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
 }
 
 void FrontendProcess::Run() {
-  status_.SetState(ProcessState::kReady);
-  const std::optional<Camera> camera = camera_.Wait();
-  if (!camera) return;
-  tracker_ = make_tracker_(*camera);
-  preview_ = std::make_unique<PreviewPublisher>(bus_, *camera, always_preview_);
-  if (!CatchUp()) return;
-  CheckBackend();
-  status_.SetState(ProcessState::kRunning);
-  if (!(replayed_ ? WorkOff(*replayed_) : WorkOff(*images_))) return;
-  if (Finish()) spdlog::info("end of the sequence");
+  try {
+    status_.SetState(ProcessState::kReady);
+    const std::optional<Camera> camera = camera_.Wait();
+    UnlessInterrupted(camera.has_value());
+    tracker_ = &make_tracker_(*camera);
+    preview_ = std::make_unique<PreviewPublisher>(bus_, *camera, always_preview_);
+    CatchUp();
+    CheckBackend();
+    status_.SetState(ProcessState::kRunning);
+    if (replayed_) {
+      WorkOff(*replayed_);
+    } else {
+      WorkOff(*images_);
+    }
+    Finish();
+    spdlog::info("end of the sequence");
+  } catch (const Interrupted&) {
+    // Whoever told the process to stop waits for nothing more.
+  }
 }
 
 template <class T>
-bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
+void FrontendProcess::WorkOff(StreamReader<T>& frames) {
   const auto news = [&] {
     return frames.HasNews() || (pace_ != Pace::kLockstep && deltas_.HasMessage());
   };
   const auto queue = status_.WatchQueue([&frames] { return static_cast<int64_t>(frames.size()); });
   while (true) {
-    if (!peers_.WaitFor(news, {kPlayer})) return false;
-    if (frames.Ended()) return true;
+    UnlessInterrupted(peers_.WaitFor(news, {kPlayer}));
+    if (frames.Ended()) return;
     if (const auto item = frames.TryTake()) {
-      if (!Process(*item)) return false;
+      Process(*item);
       frames.Done(item->header);
       status_.AddProcessed();
     }
@@ -109,59 +118,52 @@ bool FrontendProcess::WorkOff(StreamReader<T>& frames) {
   }
 }
 
-bool FrontendProcess::Process(const Images::Item& item) {
+void FrontendProcess::Process(const Images::Item& item) {
   std::string why;
   const std::optional<ImageFrame> image = fetcher_.Fetch(item.value, &why);
-  if (!image) {
-    CountRejected(bus_, kImageChannel, why);
-    return true;
-  }
+  if (!image) return CountRejected(bus_, kImageChannel, why);
   Waits waits;
   waits.transport_ms = ElapsedMs(image->published_us);
   if (item.restarted && lines_) lines_->Restart();
-  FrameFeatures features = tracker_->extract(*image);
-  const GetLines get_lines = [&]() -> const LineSet* {
-    if (lines_ && !std::isfinite(waits.for_lines_ms)) {
-      Stopwatch watch;
-      if (auto lines = lines_->WaitFor(*image)) {
-        features.lines = std::make_shared<const LineSet>(*std::move(lines));
-      }
-      waits.for_lines_ms = watch.Lap_ms();
+  FrameFeatures features = tracker_->Extract(*image);
+  if (lines_) {
+    Stopwatch watch;
+    // A detector is not done with the image's slot before its lines are there.
+    if (auto lines = lines_->WaitFor(*image)) {
+      features.lines = std::make_shared<const LineSet>(*std::move(lines));
     }
-    return features.lines.get();
-  };
-  Tracker::Output output = Track(features, get_lines);
-  get_lines();  // not before they are there is a detector done with the image's slot
-  if (bus_.interrupted()) return false;
-  return Publish(std::move(output), features, waits, image->pixels);
-}
-
-bool FrontendProcess::Process(const ReplayedFeatures::Item& item) {
-  const FrameFeatures& features = item.value;
-  Waits waits;
-  waits.transport_ms = ElapsedMs(features.published_us);
-  Tracker::Output output = Track(features, [&] { return features.lines.get(); });
-  return Publish(std::move(output), features, waits, cv::Mat());
-}
-
-Tracker::Output FrontendProcess::Track(const FrameFeatures& features, const GetLines& lines) {
-  if (tracker_->set_unanswered) {
-    tracker_->set_unanswered(static_cast<int>(unanswered_.size()));
+    waits.for_lines_ms = watch.Lap_ms();
+    UnlessInterrupted(!bus_.interrupted());
   }
-  return tracker_->track(features, lines);
+  Track(features, waits, image->pixels);
 }
 
-void FrontendProcess::OfferPreview(const FrameFeatures& features, const cv::Mat& image) {
-  if (!tracker_->tracked_points) return;
-  preview_->Offer([&] {
-    return PreviewScene{features.frame_seq, features.stamp_us, image, tracker_->tracked_points(),
-                        features.lines};
-  });
+void FrontendProcess::Process(const ReplayedFeatures::Item& item) {
+  Waits waits;
+  waits.transport_ms = ElapsedMs(item.value.published_us);
+  Track(item.value, waits, cv::Mat());
 }
 
-bool FrontendProcess::Publish(Tracker::Output live, const FrameFeatures& features,
-                              const Waits& waits, const cv::Mat& image) {
-  for (FramePose& pose : live.poses) {
+void FrontendProcess::Track(const FrameFeatures& features, const Waits& waits,
+                            const cv::Mat& image) {
+  tracker_->SetUnanswered(static_cast<int>(unanswered_.size()));
+  TrackerOutput live = tracker_->Track(features);
+  SetTimes(features, waits, &live);
+  Send(live);
+  // Behind what others wait for, and while the backend works.
+  if (features_) UnlessInterrupted(features_->Send(features));
+  OfferPreview(features, image);
+  const TrackerOutput late = tracker_->TrackLate();
+  Send(late);
+  if (live.keyframes.empty() && late.keyframes.empty()) return;
+  const bool is_start = std::any_of(live.keyframes.begin(), live.keyframes.end(),
+                                    [](const auto& k) { return k.role != KeyframeRole::kRegular; });
+  WaitUntilMapFollows(is_start);
+}
+
+void FrontendProcess::SetTimes(const FrameFeatures& features, const Waits& waits,
+                               TrackerOutput* output) {
+  for (FramePose& pose : output->poses) {
     if (!pose.live || pose.frame_seq != features.frame_seq) continue;
     pose.image_published_us = features.published_us;
     pose.times.decode_ms = features.decode_ms;
@@ -173,51 +175,45 @@ bool FrontendProcess::Publish(Tracker::Output live, const FrameFeatures& feature
     }
     pose.times.total_ms = ElapsedMs(features.published_us);
   }
-  if (!Send(live)) return false;
-  // Behind what others wait for, and while the backend works.
-  if (features_ && !features_->Send(features)) return false;
-  OfferPreview(features, image);
-  const Tracker::Output late = tracker_->track_late();
-  if (!Send(late)) return false;
-  if (live.keyframes.empty() && late.keyframes.empty()) return true;
-  const bool is_start = std::any_of(live.keyframes.begin(), live.keyframes.end(),
-                                    [](const auto& k) { return k.role != KeyframeRole::kRegular; });
-  return WaitUntilMapFollows(is_start);
 }
 
-bool FrontendProcess::Send(const Tracker::Output& output) {
-  if (!SendPoses(output.poses)) return false;
+void FrontendProcess::Send(const TrackerOutput& output) {
+  for (const FramePose& pose : output.poses) UnlessInterrupted(poses_.Send(pose));
   for (const KeyframeProposal& keyframe : output.keyframes) {
-    if (!keyframes_.Send(keyframe)) return false;
+    UnlessInterrupted(keyframes_.Send(keyframe));
     unanswered_.push_back(keyframe.id);
   }
-  return true;
 }
 
-bool FrontendProcess::WaitUntilMapFollows(bool is_start) {
+void FrontendProcess::OfferPreview(const FrameFeatures& features, const cv::Mat& image) {
+  preview_->Offer([&] {
+    return PreviewScene{features.frame_seq, features.stamp_us, image, tracker_->TrackedPoints(),
+                        features.lines};
+  });
+}
+
+void FrontendProcess::WaitUntilMapFollows(bool is_start) {
   // Without the first views of a map there is nothing to track in.
-  if (pace_ == Pace::kLockstep || is_start) return WaitForAnswers(0);
-  return pace_ == Pace::kRealtime || WaitForAnswers(kLosslessUnanswered - 1);
+  if (pace_ == Pace::kLockstep || is_start) {
+    WaitForAnswers(0);
+  } else if (pace_ == Pace::kLossless) {
+    WaitForAnswers(kLosslessUnanswered - 1);
+  }
 }
 
-bool FrontendProcess::SendPoses(const std::vector<FramePose>& poses) {
-  return std::all_of(poses.begin(), poses.end(),
-                     [this](const FramePose& pose) { return poses_.Send(pose); });
-}
-
-bool FrontendProcess::CatchUp() {
+void FrontendProcess::CatchUp() {
   // A backend that is needed is waited for, since only it can tell whether there is a map already.
   const std::vector<std::string> missing = RequiredConsumers(kKeyframeConsumers, required_);
-  if (!bus_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, kForever)) return false;
+  UnlessInterrupted(bus_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, kForever));
   const auto backend = peers_.Get(kBackend);
-  if (!backend || backend->processed == 0) return true;
+  if (!backend || backend->processed == 0) return;
   spdlog::info("there is a map already; asking for it");
   resyncing_ = true;
-  return TakeDeltasUntil([this] { return !resyncing_; });
+  TakeDeltasUntil([this] { return !resyncing_; });
 }
 
-bool FrontendProcess::WaitForAnswers(size_t max_unanswered) {
-  return TakeDeltasUntil([&] { return unanswered_.size() <= max_unanswered && !resyncing_; });
+void FrontendProcess::WaitForAnswers(size_t max_unanswered) {
+  TakeDeltasUntil([&] { return unanswered_.size() <= max_unanswered && !resyncing_; });
 }
 
 void FrontendProcess::AskForSnapshot() {
@@ -238,18 +234,17 @@ void FrontendProcess::TakeWhatCame() {
   if (!unanswered_.empty()) CheckBackend();
 }
 
-bool FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
+void FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
   for (const auto& part : std::exchange(parts_, {})) TakeUp(part);
   while (!enough()) {
     AskForSnapshot();
     if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
-      if (bus_.interrupted()) return false;
+      UnlessInterrupted(!bus_.interrupted());
       CheckBackend();
       continue;
     }
     if (const auto item = deltas_.TryTake()) TakeUp(*item);
   }
-  return true;
 }
 
 void FrontendProcess::CheckBackend() {
@@ -270,12 +265,12 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
   if (resyncing_) {
     // Deltas are refused until the snapshot begins, and fit one another from there on. The replica
     // has a version below 0 until the snapshot is complete.
-    if (tracker_->apply(delta) && tracker_->map_version() >= newest_version_) resyncing_ = false;
+    if (tracker_->Apply(delta) && tracker_->map_version() >= newest_version_) resyncing_ = false;
     return;
   }
   // A snapshot that another replica asked for says nothing new.
   if (delta.version <= tracker_->map_version()) return;
-  if (tracker_->apply(delta)) return;
+  if (tracker_->Apply(delta)) return;
   spdlog::warn(
       "the replica has version {} of the map, but a change starts at {}; asking for a "
       "snapshot",
@@ -283,18 +278,18 @@ void FrontendProcess::TakeUp(const StreamReader<MapDelta>::Item& item) {
   resyncing_ = true;
 }
 
-bool FrontendProcess::Finish() {
-  if (!WaitForAnswers(0) || !SendPoses(tracker_->finish().poses)) return false;
-  if (!poses_.SendEnd() || !keyframes_.SendEnd()) return false;
-  if (features_ && (!features_->SendEnd() || !features_->WaitAllAcked(kForever))) return false;
-  if (!poses_.WaitAllAcked(kForever) || !keyframes_.WaitAllAcked(kForever)) return false;
+void FrontendProcess::Finish() {
+  WaitForAnswers(0);
+  Send(tracker_->Finish());
+  UnlessInterrupted(poses_.SendEnd() && keyframes_.SendEnd());
+  if (features_) UnlessInterrupted(features_->SendEnd() && features_->WaitAllAcked(kForever));
+  UnlessInterrupted(poses_.WaitAllAcked(kForever) && keyframes_.WaitAllAcked(kForever));
   // The backend ends MAP next, and waits until this process has received that.
-  if (!peers_.Get(kBackend)) return true;
+  if (!peers_.Get(kBackend)) return;
   while (!deltas_.Ended()) {
-    if (!peers_.WaitFor([this] { return deltas_.HasNews(); }, {kBackend})) return false;
+    UnlessInterrupted(peers_.WaitFor([this] { return deltas_.HasNews(); }, {kBackend}));
     deltas_.TryTake();
   }
-  return true;
 }
 
 }  // namespace vpslam

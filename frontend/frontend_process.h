@@ -34,28 +34,12 @@
 #include "core/transport/stream_writer.h"
 #include "frontend/line_source.h"
 #include "frontend/preview_publisher.h"
-#include "frontend/tracker.h"
+#include "frontend/tracker_interface.h"
 
 namespace vpslam {
 
-/// What the loop needs of a tracker; see frontend/tracker.h for what each does. There are no lines
-/// without detectors, when they come too late (in realtime), and when the process is about to stop.
-struct TrackerCalls {
-  std::function<FrameFeatures(const ImageFrame&)> extract;
-  std::function<Tracker::Output(const FrameFeatures&, const GetLines&)> track;
-  std::function<Tracker::Output()> track_late;
-  std::function<bool(const MapDelta&)> apply;
-  std::function<Tracker::Output()> finish;
-  std::function<int64_t()> map_version;
-  /// Called before `track` with the number of keyframes that the backend has not answered; may be
-  /// empty.
-  std::function<void(int)> set_unanswered = {};
-  /// For previews; may be empty.
-  std::function<std::vector<Eigen::Vector2f>()> tracked_points = {};
-};
-
-/// Called once, when the camera is known.
-using MakeTracker = std::function<TrackerCalls(const Camera&)>;
+/// Called once, when the camera is known. The tracker must outlive FrontendProcess::Run.
+using MakeTracker = std::function<TrackerInterface&(const Camera&)>;
 
 struct FrontendStreams {
   bool take_features = false;   ///< FEATURES, which somebody replays, instead of IMAGE
@@ -80,30 +64,29 @@ class FrontendProcess {
   using Images = StreamReader<ImageMessage>;
   using ReplayedFeatures = StreamReader<FrameFeatures>;
 
-  /// Until `frames` has ended: true; false if interrupted.
+  // What waits throws Interrupted (core/transport/interrupted.h) when the process is to stop.
+  /// Until `frames` has ended.
   template <class T>
-  bool WorkOff(StreamReader<T>& frames);
-  bool Process(const Images::Item& item);
-  bool Process(const ReplayedFeatures::Item& item);
+  void WorkOff(StreamReader<T>& frames);
+  void Process(const Images::Item& item);
+  void Process(const ReplayedFeatures::Item& item);
   struct Waits {
     double transport_ms = kNotRun;
     double for_lines_ms = kNotRun;
   };
-  Tracker::Output Track(const FrameFeatures& features, const GetLines& lines);
+  /// Has the image tracked and publishes what that brings; then the same for earlier frames.
+  void Track(const FrameFeatures& features, const Waits& waits, const cv::Mat& image);
+  static void SetTimes(const FrameFeatures& features, const Waits& waits, TrackerOutput* output);
+  void Send(const TrackerOutput& output);
   void OfferPreview(const FrameFeatures& features, const cv::Mat& image);
-  /// Publishes what the image brought, then has earlier frames tracked and publishes those.
-  bool Publish(Tracker::Output live, const FrameFeatures& features, const Waits& waits,
-               const cv::Mat& image);
-  bool Send(const Tracker::Output& output);
-  bool Finish();
-  bool SendPoses(const std::vector<FramePose>& poses);
+  void Finish();
   /// Takes the map over, if there is one already.
-  bool CatchUp();
-  bool WaitUntilMapFollows(bool is_start);
-  bool WaitForAnswers(size_t max_unanswered);
+  void CatchUp();
+  void WaitUntilMapFollows(bool is_start);
+  void WaitForAnswers(size_t max_unanswered);
   void TakeWhatCame();
   void AskForSnapshot();
-  bool TakeDeltasUntil(const std::function<bool()>& enough);
+  void TakeDeltasUntil(const std::function<bool()>& enough);
   void CheckBackend();
   void TakeUp(const StreamReader<MapDelta>::Item& item);
 
@@ -114,7 +97,7 @@ class FrontendProcess {
   const Pace pace_;
   const MakeTracker make_tracker_;
   const bool always_preview_;
-  std::optional<TrackerCalls> tracker_;
+  TrackerInterface* tracker_ = nullptr;        ///< when the camera is known
   std::unique_ptr<PreviewPublisher> preview_;  ///< when the camera is known
 
   CameraReceiver camera_;

@@ -39,18 +39,9 @@ int main(int argc, char** argv) {
     spdlog::info("settings: {}", PrintSettings(settings));
     cv::setNumThreads(1);  // results must not depend on the number of cores
     std::unique_ptr<Tracker> tracker;
-    const auto make_tracker = [&](const Camera& camera) {
+    const auto make_tracker = [&](const Camera& camera) -> TrackerInterface& {
       tracker = std::make_unique<Tracker>(camera, settings, seed);
-      return TrackerCalls{[&](const ImageFrame& image) { return tracker->Extract(image); },
-                          [&](const FrameFeatures& features, const GetLines& lines) {
-                            return tracker->Track(features, lines);
-                          },
-                          [&] { return tracker->TrackLate(); },
-                          [&](const MapDelta& delta) { return tracker->Apply(delta); },
-                          [&] { return tracker->Finish(); },
-                          [&] { return tracker->map_version(); },
-                          [&](int keyframes) { tracker->SetUnanswered(keyframes); },
-                          [&] { return tracker->TrackedPoints(); }};
+      return *tracker;
     };
     streams.recorded = options.IsRecorded();
     std::optional<LineSourceOptions> lines;

@@ -61,13 +61,11 @@ class Tracker::Impl {
     return features;
   }
 
-  Output Track(FrameFeatures features, const GetLines& get_lines) {
-    Output output;
+  TrackerOutput Track(FrameFeatures features) {
+    TrackerOutput output;
     // Features of a log come without a call to Extract.
     if (HasToTakeMapOver()) TakeMapOver();
     Frame frame = MakeFrame(std::move(features));
-    const LineSet* lines = get_lines ? get_lines() : nullptr;
-    if (lines) frame.lines = std::make_shared<const LineSet>(*lines);
     if (state_ != TrackingState::kTracking || on_probation_) Remember(frame);
     if (state_ == TrackingState::kInitialising) {
       TryToStart(frame, &output);
@@ -78,16 +76,16 @@ class Tracker::Impl {
     return output;
   }
 
-  Output TrackLate() {
-    Output output;
+  TrackerOutput TrackLate() {
+    TrackerOutput output;
     for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output, true);
     return output;
   }
 
   bool Apply(const MapDelta& delta) { return map_.Apply(delta); }
 
-  Output Finish() {
-    Output output;
+  TrackerOutput Finish() {
+    TrackerOutput output;
     if (on_probation_) PassProbation(&output);
     while (late_.Busy()) PlaceLateFrame(&output, false);
     return output;
@@ -119,6 +117,7 @@ class Tracker::Impl {
     CheckOctaves(frame.features, scales_, "frontend.orb.num_levels");
     frame.grid = FeatureGrid(frame.features.keypoints, bounds_);
     frame.points.resize(frame.features.size());
+    frame.lines = std::move(features.lines);
     frame.times.decode_ms = features.decode_ms;
     frame.times.features_ms = features.features_ms + stopwatch.Lap_ms();
     return frame;
@@ -133,7 +132,7 @@ class Tracker::Impl {
     bridge_.ForgetNearEnd();
   }
 
-  void TryToStart(Frame& frame, Output* output) {
+  void TryToStart(Frame& frame, TrackerOutput* output) {
     Stopwatch stopwatch;
     const std::optional<InitialMap> initial = initializer_.Add(frame, rng_);
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
@@ -170,7 +169,7 @@ class Tracker::Impl {
   }
 
   /// The map has grown enough to be trusted: earlier frames are placed in it now.
-  void PassProbation(Output* output) {
+  void PassProbation(TrackerOutput* output) {
     on_probation_ = false;
     std::vector<Frame> frames = bridge_.Cross();
     frames.insert(frames.end(), history_.begin(), history_.end());
@@ -183,7 +182,7 @@ class Tracker::Impl {
   }
 
   /// The map was started wrongly: try again, with a frame from before as reference.
-  void GiveUpMap(const Frame& frame, Output* output) {
+  void GiveUpMap(const Frame& frame, TrackerOutput* output) {
     discarded_map_ = map_id_;
     on_probation_ = false;
     bridge_.ForgetKept();
@@ -219,7 +218,7 @@ class Tracker::Impl {
     return state_ == TrackingState::kLost && frames_lost_ >= options_.relocalizer.frames_to_new_map;
   }
 
-  void Lose(Frame& frame, Output* output) {
+  void Lose(Frame& frame, TrackerOutput* output) {
     if (state_ == TrackingState::kTracking) {
       frames_lost_ = 0;
       initializer_.Reset();
@@ -249,7 +248,7 @@ class Tracker::Impl {
 
   // ---- Tracking ----
 
-  void TrackInMap(Frame frame, Output* output) {
+  void TrackInMap(Frame frame, TrackerOutput* output) {
     Stopwatch stopwatch;
     if (const MapId present = map_.Resolve(map_id_); present != map_id_) {
       map_id_ = present;
@@ -298,7 +297,7 @@ class Tracker::Impl {
     }
   }
 
-  void Propose(Frame* frame, Output* output) {
+  void Propose(Frame* frame, TrackerOutput* output) {
     KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId(), map_id_);
     proposal.discarded_map = std::exchange(discarded_map_, MapId());
     proposal.sightings = poses_.TakeSightings();
@@ -323,7 +322,7 @@ class Tracker::Impl {
   // ---- Frames from before the map ----
 
   /// Where little of the map is left to be seen, what was seen then is worked into it.
-  void PlaceLateFrame(Output* output, bool may_propose) {
+  void PlaceLateFrame(TrackerOutput* output, bool may_propose) {
     if (!late_.Busy()) return bridge_.EndCrossing();
     if (may_propose && late_.Waits(map_)) return;
     std::optional<Frame> frame = late_.Step(context_);
@@ -417,12 +416,10 @@ Tracker::Tracker(const Camera& camera, const TrackerOptions& options, uint64_t s
     : impl_(std::make_unique<Impl>(camera, options, seed)) {}
 Tracker::~Tracker() = default;
 FrameFeatures Tracker::Extract(const ImageFrame& image) { return impl_->Extract(image); }
-Tracker::Output Tracker::Track(FrameFeatures features, const GetLines& lines) {
-  return impl_->Track(std::move(features), lines);
-}
-Tracker::Output Tracker::TrackLate() { return impl_->TrackLate(); }
+TrackerOutput Tracker::Track(FrameFeatures features) { return impl_->Track(std::move(features)); }
+TrackerOutput Tracker::TrackLate() { return impl_->TrackLate(); }
 bool Tracker::Apply(const MapDelta& delta) { return impl_->Apply(delta); }
-Tracker::Output Tracker::Finish() { return impl_->Finish(); }
+TrackerOutput Tracker::Finish() { return impl_->Finish(); }
 void Tracker::SetUnanswered(int keyframes) { impl_->SetUnanswered(keyframes); }
 int64_t Tracker::map_version() const { return impl_->map_version(); }
 std::vector<Eigen::Vector2f> Tracker::TrackedPoints() const { return impl_->TrackedPoints(); }

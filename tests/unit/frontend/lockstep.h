@@ -53,7 +53,7 @@ class Lockstep {
     frame.frame_seq = next_seq_++;
     frame.stamp_us = 1000 * frame.frame_seq;
     frame.pixels = image;
-    const Tracker::Output live = tracker.Track(frame), late = tracker.TrackLate();
+    const TrackerOutput live = tracker.Track(tracker.Extract(frame)), late = tracker.TrackLate();
     for (const auto* output : {&live, &late}) TakePoses(*output);
     for (const auto* output : {&live, &late}) TakeKeyframes(*output);
     for (const FramePose& pose : live.poses) {
@@ -80,7 +80,7 @@ class Lockstep {
   }
 
  private:
-  void TakePoses(const Tracker::Output& output) {
+  void TakePoses(const TrackerOutput& output) {
     for (FramePose pose : output.poses) {
       poses[pose.frame_seq] = pose;
       first_poses.try_emplace(pose.frame_seq, pose);
@@ -89,7 +89,7 @@ class Lockstep {
       Append(Encode(Header(), pose));
     }
   }
-  void TakeKeyframes(const Tracker::Output& output) {
+  void TakeKeyframes(const TrackerOutput& output) {
     for (const KeyframeProposal& proposal : output.keyframes) {
       keyframes.push_back(proposal);
       Append(Encode(Header(), proposal));

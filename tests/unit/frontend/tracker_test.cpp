@@ -175,7 +175,9 @@ TEST_F(CarriedAway, FoundInAnotherMapItIsMeasuredAgainstThatMapsAxes) {
     for (const MapDelta& delta : owner.Snapshot()) EXPECT_TRUE(again.Apply(delta));
     ImageFrame image;
     image.pixels = ImageOf(kPlace);
-    const FramePose pose = again.Track(image, [&] { return &lines; }).poses.front();
+    FrameFeatures features = again.Extract(image);
+    features.lines = std::make_shared<const LineSet>(lines);
+    const FramePose pose = again.Track(std::move(features)).poses.front();
     EXPECT_EQ(pose.state, TrackingState::kTracking);
     EXPECT_EQ(pose.map, MapId(0));
     return pose.cam_from_world.rotation.coeffs();
@@ -262,7 +264,7 @@ TEST(Tracker, StartedAgainItTakesTheMapOver) {
     ImageFrame image;
     image.frame_seq = i + 50;
     image.pixels = ImageOf(i);
-    const Tracker::Output output = again.Track(image);
+    const TrackerOutput output = again.Track(again.Extract(image));
     EXPECT_EQ(output.poses.front().state, TrackingState::kTracking) << i;
     EXPECT_EQ(output.poses.front().map, MapId(0)) << i;
     for (const KeyframeProposal& proposal : output.keyframes) {
@@ -369,7 +371,7 @@ TEST(Tracker, FollowsAMapThatChangesUnderIt) {
   ImageFrame frame;
   frame.frame_seq = 30;
   frame.pixels = ImageOf(30);
-  const Tracker::Output output = run.tracker.Track(frame);
+  const TrackerOutput output = run.tracker.Track(run.tracker.Extract(frame));
   const FramePose* pose = nullptr;
   for (const FramePose& p : output.poses) {
     if (p.frame_seq == 30) pose = &p;

@@ -72,20 +72,10 @@ class FakeMapper {
 };
 
 /// Makes every fifth image a keyframe, the first two of them at once.
-class FakeTracker {
+class FakeTracker final : public TrackerInterface {
  public:
-  TrackerCalls Calls() {
-    return {[](const ImageFrame& image) { return Extract(image); },
-            [this](const FrameFeatures& f, const GetLines& lines) { return Track(f, lines); },
-            [this] { return TrackLate(); },
-            [this](const MapDelta& delta) { return Apply(delta); },
-            [this] { return Finish(); },
-            [this] { return version_; },
-            [this](int keyframes) { unanswered_.push_back(keyframes); }};
-  }
-
   /// One feature, in which the image's first pixel is kept.
-  static FrameFeatures Extract(const ImageFrame& image) {
+  FrameFeatures Extract(const ImageFrame& image) override {
     FrameFeatures features;
     features.frame_seq = image.frame_seq;
     features.stamp_us = image.stamp_us;
@@ -97,13 +87,12 @@ class FakeTracker {
     return features;
   }
 
-  Tracker::Output Track(const FrameFeatures& image, const GetLines& get_lines) {
+  TrackerOutput Track(FrameFeatures image) override {
     if (work_ > work_.zero()) std::this_thread::sleep_for(work_);
-    const LineSet* lines = get_lines();
-    frames_of_lines_.push_back(lines ? lines->frame_seq : -1);
+    frames_of_lines_.push_back(image.lines ? image.lines->frame_seq : -1);
     log_.push_back(fmt::format("image {} {} with {} keyframes", image.frame_seq,
                                image.features.keypoints[0].response, replica_.size()));
-    Tracker::Output output;
+    TrackerOutput output;
     FramePose pose;
     pose.frame_seq = image.frame_seq;
     pose.stamp_us = image.stamp_us;
@@ -116,13 +105,13 @@ class FakeTracker {
     return output;
   }
 
-  Tracker::Output TrackLate() {
+  TrackerOutput TrackLate() override {
     log_.push_back("late");
     if (on_late_) on_late_();
     return {};
   }
 
-  bool Apply(const MapDelta& delta) {
+  bool Apply(const MapDelta& delta) override {
     if (refuse_version_ == delta.version && !delta.snapshot) {
       refuse_version_ = -1;
       return false;  // as if the one before had never come
@@ -135,14 +124,18 @@ class FakeTracker {
     return true;
   }
 
-  Tracker::Output Finish() {
+  TrackerOutput Finish() override {
     FramePose late;
     late.frame_seq = 0;
     late.live = false;
-    Tracker::Output output;
+    TrackerOutput output;
     output.poses.push_back(late);
     return output;
   }
+
+  int64_t map_version() const override { return version_; }
+  std::vector<Eigen::Vector2f> TrackedPoints() const override { return {}; }
+  void SetUnanswered(int keyframes) override { unanswered_.push_back(keyframes); }
 
   std::vector<std::string> log_;
   std::function<void()> on_late_;

@@ -66,7 +66,7 @@ class Graph {
       StatusReporter status(bus_, "frontend");
       FrontendProcess frontend(
           bus_, peers_, status, {"backend", "recorder"},
-          [this](const Camera&) { return tracker_.Calls(); }, std::nullopt, pace_);
+          [this](const Camera&) -> TrackerInterface& { return tracker_; }, std::nullopt, pace_);
       Guard([&] { frontend.Run(); });
       frontend_done_ = true;
       bus_.Notify();
