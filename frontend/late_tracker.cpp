@@ -50,7 +50,7 @@ bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame*
   const LocalMap local = CollectLocalMap(context.map, *frame, options_.local_map);
   std::vector<PointId> visible;
   MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
-  MatchLines(context, local.lines, options_.lines, 1.0, frame);
+  MatchLines(context, local.lines, options_.lines.window_px, options_.lines, frame);
   OptimizeFrame(context, options_.pose, frame);
   if (frame->Support() < options_.local_map.min_inliers) return false;
   return HangOn(context.map, local.reference, frame);

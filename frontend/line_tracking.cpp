@@ -8,8 +8,8 @@
 
 namespace vpslam {
 
-int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines,
-               const LineTrackingOptions& options, double radius_factor, Frame* frame) {
+int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines, double window_px,
+               const LineTrackingOptions& options, Frame* frame) {
   if (!options.enabled || !frame->lines) return 0;
   const std::vector<LineSegment>& segments = frame->lines->lines;
   frame->map_lines.resize(segments.size());
@@ -21,7 +21,7 @@ int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines,
     matched.insert(frame->map_lines[i]);
   }
   LineWindow window;
-  window.max_offset_px = radius_factor * options.window_px;
+  window.max_offset_px = window_px;
   window.max_distance = options.max_distance;
   window.min_overlap = options.min_overlap;
   int count = 0;

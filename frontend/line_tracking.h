@@ -10,9 +10,10 @@
 namespace vpslam {
 
 /// Matches `lines` of the map, projected with frame->cam_from_world, with segments of the frame
-/// that have no line yet; within `radius_factor` times the window. Returns how many.
-int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines,
-               const LineTrackingOptions& options, double radius_factor, Frame* frame);
+/// that have no line yet. A segment lies at most `window_px` away from where its line is predicted.
+/// Returns how many were matched.
+int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines, double window_px,
+               const LineTrackingOptions& options, Frame* frame);
 
 /// The living lines that a frame was matched with, or that a keyframe observes.
 std::vector<LineId> LivingLines(const Map& map, const std::vector<LineId>& lines);

@@ -16,9 +16,10 @@ bool PoseTracker::TrackWithMotion(const Frame& last, const std::optional<SE3>& v
   const SE3 predicted = velocity ? *velocity * last.cam_from_world : last.cam_from_world;
   for (const double factor : {1.0, 2.0}) {
     frame->cam_from_world = predicted;
-    int matches = MatchLastFrame(context_, last, factor * motion.window_px, motion, frame);
-    matches += MatchLines(context_, LivingLines(context_.map, last.map_lines), options_.lines,
-                          motion.window_px / options_.lines.window_px * factor, frame);
+    const double window_px = factor * motion.window_px;
+    int matches = MatchLastFrame(context_, last, window_px, motion, frame);
+    matches += MatchLines(context_, LivingLines(context_.map, last.map_lines), window_px,
+                          options_.lines, frame);
     if (matches < motion.min_matches) continue;
     OptimizeFrame(context_, options_.pose, frame);
     if (frame->Support() >= motion.min_inliers) return true;
@@ -39,7 +40,7 @@ bool PoseTracker::TrackLocalMap(MapId map, std::mt19937_64& rng, Frame* frame, L
   *local = CollectLocalMap(context_.map, *frame, options_.local_map);
   std::vector<PointId> visible;
   MatchLocalMap(context_, *local, options_.local_map, 1.0, frame, &visible);
-  MatchLines(context_, local->lines, options_.lines, 1.0, frame);
+  MatchLines(context_, local->lines, options_.lines.window_px, options_.lines, frame);
   OptimizeFrame(context_, options_.pose, frame, MeasuredRotation(map, *frame));
   if (frame->Support() < options_.local_map.min_inliers) return false;
   Overwrite(rng, frame);

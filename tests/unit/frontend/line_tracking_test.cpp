@@ -11,6 +11,8 @@
 namespace vpslam {
 namespace {
 
+const double kWindow_px = LineTrackingOptions().window_px;
+
 /// Three keyframes that know all lines that two of them show, and frames that look at them.
 class LineTracking : public testing::Test {
  protected:
@@ -70,14 +72,14 @@ TEST_F(LineTracking, FindsTheLinesAgainEachOnce) {
   // Asked for more than once, it is found once.
   std::vector<LineId> twice = ids_;
   twice.insert(twice.end(), ids_.begin(), ids_.end());
-  const int count = MatchLines(context(), twice, {}, 1, &frame);
+  const int count = MatchLines(context(), twice, kWindow_px, {}, &frame);
   EXPECT_EQ(count, NumMatched(frame));
   EXPECT_GT(count, 0.85 * NumMatched(all));
   EXPECT_EQ(NumWrong(frame), 0);
   std::set<LineId> different(frame.map_lines.begin(), frame.map_lines.end());
   different.erase(LineId());
   EXPECT_EQ(static_cast<int>(different.size()), count);
-  EXPECT_EQ(MatchLines(context(), ids_, {}, 1, &frame), 0) << "all are found already";
+  EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 0) << "all are found already";
 }
 
 TEST_F(LineTracking, ALineOfTwoSegmentsIsMatchedOnce) {
@@ -93,7 +95,7 @@ TEST_F(LineTracking, ALineOfTwoSegmentsIsMatchedOnce) {
   frame.ForgetMatches();
   std::vector<LineId> twice = ids_;
   twice.insert(twice.end(), ids_.begin(), ids_.end());
-  const int count = MatchLines(context(), twice, {}, 1, &frame);
+  const int count = MatchLines(context(), twice, kWindow_px, {}, &frame);
   EXPECT_GT(count, 8);
   std::map<LineId, int> times;
   for (const LineId id : frame.map_lines) {
@@ -107,8 +109,8 @@ TEST_F(LineTracking, TheWindowLimits) {
   frame.cam_from_world =
       Retract(pose_, (Vector6d() << 0, 0, 0, 0.02, -0.02, 0).finished());  // 15 px
   Frame wide = frame;
-  const int narrow_count = MatchLines(context(), ids_, {}, 1, &frame);
-  const int wide_count = MatchLines(context(), ids_, {}, 4, &wide);
+  const int narrow_count = MatchLines(context(), ids_, kWindow_px, {}, &frame);
+  const int wide_count = MatchLines(context(), ids_, 4 * kWindow_px, {}, &wide);
   EXPECT_LT(narrow_count, 0.5 * wide_count);
   EXPECT_GT(wide_count, 8);
 }
@@ -126,7 +128,7 @@ TEST_F(LineTracking, SegmentsAndLinesThatAreMatchedStaySo) {
   frame.map_lines[matched[0]] = before[matched[1]];
   frame.map_lines[matched[1]] = LineId();
   frame.map_lines[matched[2]] = LineId();
-  EXPECT_EQ(MatchLines(context(), ids_, {}, 1, &frame), 1);
+  EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 1);
   EXPECT_EQ(frame.map_lines[matched[0]], before[matched[1]]);
   EXPECT_FALSE(frame.map_lines[matched[1]].IsValid());
   EXPECT_EQ(frame.map_lines[matched[2]], before[matched[2]]);
@@ -135,17 +137,17 @@ TEST_F(LineTracking, SegmentsAndLinesThatAreMatchedStaySo) {
 TEST_F(LineTracking, LinesThatAreGoneAreNotLookedFor) {
   Frame frame = Look(pose_);
   for (const LineId id : ids_) m_.map.map.Erase(id);
-  EXPECT_EQ(MatchLines(context(), ids_, {}, 1, &frame), 0);
-  EXPECT_EQ(MatchLines(context(), {LineId(), LineId(9999)}, {}, 1, &frame), 0);
+  EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 0);
+  EXPECT_EQ(MatchLines(context(), {LineId(), LineId(9999)}, kWindow_px, {}, &frame), 0);
 }
 
 TEST_F(LineTracking, WithoutLinesOrSwitchedOffNothingHappens) {
   Frame frame = Look(pose_);
-  EXPECT_EQ(MatchLines(context(), ids_, {.enabled = false}, 1, &frame), 0);
+  EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {.enabled = false}, &frame), 0);
   EXPECT_EQ(NumMatched(frame), 0);
   frame.lines = nullptr;
   frame.ForgetMatches();
-  EXPECT_EQ(MatchLines(context(), ids_, {}, 1, &frame), 0);
+  EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 0);
 }
 
 TEST_F(LineTracking, LivingLinesAreWhatTheyHaveBecome) {
