@@ -121,6 +121,7 @@ Result Measure(const std::string& program, const Camera& camera, const std::vect
         image.published_us = MonotonicMicroseconds();
         image.pixels = images[static_cast<size_t>(next) % images.size()];
         publisher.Publish(pool.Store(image));
+        source.AddImage(bus.session(), image.frame_seq);
         sent.push_back(image);
       }
       if (!source.WaitFor(sent[static_cast<size_t>(done - begin)])) {

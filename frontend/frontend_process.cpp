@@ -70,7 +70,14 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
                                                    AckPolicy::kWhenDone, capacity);
     return;
   }
-  images_ = std::make_unique<Images>(bus, kImageChannel, kName, AckPolicy::kWhenDone, capacity);
+  // Detectors begin while the image waits for its turn.
+  const auto ask_for_lines = [lines = lines_.get()](const Decoded<ImageMessage>& image, auto&&) {
+    const bool has_image = !image.header.last;
+    if (lines && has_image) lines->AddImage(image.header.session, image.value.frame_seq);
+    return true;
+  };
+  images_ = std::make_unique<Images>(bus, kImageChannel, kName, AckPolicy::kWhenDone, capacity,
+                                     ask_for_lines);
   if (streams.recorded) {
     features_ = std::make_unique<StreamWriter<FrameFeatures>>(
         bus, kFeaturesChannel, AndRecorderIf(true, {}),

@@ -101,10 +101,10 @@ class FrontendProcess {
   std::unique_ptr<PreviewPublisher> preview_;  ///< when the camera is known
 
   CameraReceiver camera_;
-  std::unique_ptr<Images> images_;  ///< or else
+  std::unique_ptr<LineSource> lines_;  ///< none without detectors; before images_, which tell it
+  std::unique_ptr<Images> images_;     ///< or else
   std::unique_ptr<ReplayedFeatures> replayed_;
   ImageFetcher fetcher_;
-  std::unique_ptr<LineSource> lines_;  ///< none without detectors
   StreamReader<MapDelta> deltas_;
   StreamWriter<FramePose> poses_;
   StreamWriter<KeyframeProposal> keyframes_;

@@ -9,7 +9,6 @@
 #include "core/transport/channels.h"
 #include "core/transport/clock.h"
 #include "core/transport/codec.h"
-#include "core/transport/image_message.h"
 #include "core/transport/sequence_watch.h"
 
 namespace vpslam {
@@ -31,7 +30,6 @@ LineSource::LineSource(Bus& bus, Peers& peers, const LineSourceOptions& options)
       dispatch_(options.dispatch),
       joiner_(options.joiner),
       requests_(bus, kLinesRequestChannel) {
-  images_ = bus.Subscribe(kImageChannel, [this](std::span<const uint8_t> b) { OnImage(b); });
   statuses_ = bus.Subscribe(kStatusChannel, [this](std::span<const uint8_t> b) { OnStatus(b); });
   lines_ = bus.Subscribe(kLinesChannel, [this](std::span<const uint8_t> b) { OnLines(b); });
   timer_ = bus.OnTick([this] {
@@ -69,16 +67,13 @@ LineJoiner::Verdict LineSource::Look(const ImageFrame& image) {
   return joiner_.Look(image.frame_seq, image.stamp_us, image.published_us, MonotonicMicroseconds());
 }
 
-// What does not decode is counted by the stream's reader, or by Peers.
-void LineSource::OnImage(std::span<const uint8_t> bytes) {
-  std::string why;
-  const auto message = Decode<ImageMessage>(bytes, &why);
-  if (!message || message->header.last) return;
+void LineSource::AddImage(int64_t session, int64_t frame_seq) {
   const std::lock_guard lock(mutex_);
-  dispatch_.AddImage(message->header.session, message->value.frame_seq);
+  dispatch_.AddImage(session, frame_seq);
   AskLocked();
 }
 
+// What does not decode is counted by Peers.
 void LineSource::OnStatus(std::span<const uint8_t> bytes) {
   std::string why;
   const auto message = Decode<ProcessStatus>(bytes, &why);

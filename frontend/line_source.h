@@ -1,5 +1,5 @@
-// The lines of each image, from whatever detectors there are: asks for them as soon as an image
-// comes (LineDispatch says whom), and joins them with it (LineJoiner).
+// The lines of each image, from whatever detectors there are: asks for them as soon as it is told
+// of an image (LineDispatch says whom), and joins them with it (LineJoiner).
 #pragma once
 
 #include <chrono>
@@ -27,12 +27,16 @@ struct LineSourceOptions {
   static LineSourceOptions ForPace(Pace pace);
 };
 
-/// Subscribed from its construction on.
+/// Subscribed to what detectors say from its construction on.
 class LineSource {
  public:
   static constexpr const char* kDetector = "vpdetector";
 
   LineSource(Bus& bus, Peers& peers, const LineSourceOptions& options);
+
+  /// An image came, of this session of its sender: asks for its lines. To be called as soon as
+  /// possible, from any thread. An image that is told again makes no difference.
+  void AddImage(int64_t session, int64_t frame_seq);
 
   /// Sleeps until the lines of the image are there, or the joiner says to go on without them
   /// (nullopt), or the bus is interrupted (nullopt). Images are to come in order; one that is left
@@ -45,7 +49,6 @@ class LineSource {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void OnImage(std::span<const uint8_t> bytes);
   void OnStatus(std::span<const uint8_t> bytes);
   void OnLines(std::span<const uint8_t> bytes);
   void AskLocked();
@@ -58,7 +61,7 @@ class LineSource {
   LineDispatch dispatch_;
   LineJoiner joiner_;
   Publisher<LinesRequest> requests_;
-  Bus::Registration images_, statuses_, lines_, timer_;  // last: they end before what they use
+  Bus::Registration statuses_, lines_, timer_;  // last: they end before what they use
 };
 
 }  // namespace vpslam

@@ -50,15 +50,16 @@ class MessageLog::Impl {
             Add({RealtimeMicroseconds(), channel, Bytes(bytes.begin(), bytes.end()), {}});
           }));
     }
-    truths_ = std::make_unique<StreamReader<Truth>>(bus, kTruthChannel, kName,
-                                                    AckPolicy::kOnReceipt, Tap(kTruthChannel));
+    truths_ = std::make_unique<StreamReader<Truth>>(
+        bus, kTruthChannel, kName, AckPolicy::kOnReceipt, Tap<Truth>(kTruthChannel));
     keyframes_ = std::make_unique<StreamReader<KeyframeProposal>>(
-        bus, kKeyframeChannel, kName, AckPolicy::kOnReceipt, Tap(kKeyframeChannel));
+        bus, kKeyframeChannel, kName, AckPolicy::kOnReceipt,
+        Tap<KeyframeProposal>(kKeyframeChannel));
     features_ = std::make_unique<StreamReader<FrameFeatures>>(
         bus, kFeaturesChannel, kName, AckPolicy::kWhenDone,
-        [this](const Header& header, std::span<const uint8_t> bytes) {
+        [this](const Decoded<FrameFeatures>& message, std::span<const uint8_t> bytes) {
           Add({RealtimeMicroseconds(), kFeaturesChannel, Bytes(bytes.begin(), bytes.end()),
-               [this, header] { features_->Done(header); }});
+               [this, header = message.header] { features_->Done(header); }});
           return false;
         });
     if (options.pixels) SubscribeToImages();
@@ -68,9 +69,9 @@ class MessageLog::Impl {
 
   ~Impl() { Close(); }
 
-  template <class T = FramePose>
+  template <class T>
   typename StreamReader<T>::Tap Tap(const char* channel, bool wanted = false) {
-    return [this, channel, wanted](const Header&, std::span<const uint8_t> bytes) {
+    return [this, channel, wanted](const Decoded<T>&, std::span<const uint8_t> bytes) {
       Add({RealtimeMicroseconds(), channel, Bytes(bytes.begin(), bytes.end()), {}});
       return wanted;
     };
@@ -118,13 +119,11 @@ class MessageLog::Impl {
   void SubscribeToImages() {
     images_ = std::make_unique<StreamReader<ImageMessage>>(
         bus_, kImageChannel, kName, AckPolicy::kWhenDone,
-        [this](const Header& header, std::span<const uint8_t> bytes) {
+        [this](const Decoded<ImageMessage>& image, std::span<const uint8_t> bytes) {
           Entry entry{RealtimeMicroseconds(), kImageChannel, {}, {}, {}};
-          entry.done = [this, header] { images_->Done(header); };
-          std::string why;
-          auto image = Decode<ImageMessage>(bytes, &why);
-          if (image && !header.last && !image->value.segment.empty()) {
-            entry.image = std::move(image);
+          entry.done = [this, header = image.header] { images_->Done(header); };
+          if (!image.header.last && !image.value.segment.empty()) {
+            entry.image = image;
           } else {
             entry.bytes.assign(bytes.begin(), bytes.end());
           }
@@ -286,8 +285,10 @@ class MessageLog::Impl {
 MessageLog::MessageLog(Bus& bus, const MessageLogOptions& options)
     : impl_(std::make_unique<Impl>(bus, options)) {}
 MessageLog::~MessageLog() = default;
-StreamReader<FramePose>::Tap MessageLog::PoseTap() { return impl_->Tap(kPoseChannel, true); }
-StreamReader<MapDelta>::Tap MessageLog::MapTap() { return impl_->Tap(kMapChannel, true); }
+StreamReader<FramePose>::Tap MessageLog::PoseTap() {
+  return impl_->Tap<FramePose>(kPoseChannel, true);
+}
+StreamReader<MapDelta>::Tap MessageLog::MapTap() { return impl_->Tap<MapDelta>(kMapChannel, true); }
 bool MessageLog::StreamsEnded() const { return impl_->StreamsEnded(); }
 void MessageLog::Close() { impl_->Close(); }
 std::optional<std::string> MessageLog::error() const { return impl_->error(); }

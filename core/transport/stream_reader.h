@@ -45,9 +45,9 @@ template <class T>
 class StreamReader {
  public:
   static constexpr std::size_t kUnbounded = 0;
-  /// Sees each message of the stream as it travelled, in order and once, with its end. False: it
-  /// is not to be queued. Called on the receive thread.
-  using Tap = std::function<bool(const Header&, std::span<const uint8_t>)>;
+  /// Sees each message of the stream as it travelled and what it says, in order and once, with its
+  /// end. False: it is not to be queued. Called on the receive thread.
+  using Tap = std::function<bool(const Decoded<T>&, std::span<const uint8_t>)>;
 
   /// `consumer` is the name by which the writer waits for this process. A queue that holds more
   /// than `capacity` messages drops its oldest, counted: for streams whose writer never waits.
@@ -109,7 +109,7 @@ class StreamReader {
     const Verdict verdict = core_.Receive(message->header);
     if (verdict == Verdict::kIgnore) return;
     ended_ = verdict == Verdict::kEnd;
-    const bool wanted = !tap_ || tap_(message->header, bytes);
+    const bool wanted = !tap_ || tap_(*message, bytes);
     if (ended_ || !wanted) return;
     const bool first = verdict == Verdict::kDeliverFirstOfSession;
     queue_.push_back({std::move(message->value), message->header, first && seen_any_});

@@ -354,7 +354,10 @@ std::map<int64_t, LineSet> PlayInLockstep(Rest& rest, LineSource& source, int fi
     std::atomic<bool> done = false;
     std::thread sending([&] {
       for (int i = 0; !done; ++i) {
-        if (i % 10 == 0) rest.Send(seq, image.pixels);
+        if (i % 10 == 0) {
+          rest.Send(seq, image.pixels);
+          source.AddImage(rest.bus_.session(), seq);
+        }
         std::this_thread::sleep_for(10ms);
       }
     });
