@@ -1,44 +1,26 @@
-// An image as the frontend sees it: features, what they were matched with, and where it stands.
+// An image as the frontend sees it: what it showed, and where it is believed to stand.
 #pragma once
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "core/base/ids.h"
-#include "core/features/feature_grid.h"
-#include "core/features/features.h"
-#include "core/features/line_set.h"
-#include "core/geometry/se3.h"
+#include "core/features/frame_observation.h"
 #include "core/messages/stages.h"
+#include "frontend/placement.h"
 
 namespace vpslam {
 
+/// Cheap to copy: what was seen is shared.
 struct Frame {
-  int64_t seq = 0;
-  int64_t stamp_us = 0;
-  int64_t published_us = 0;
-  Features features;
-  FeatureGrid grid;
-  std::vector<PointId> points;           ///< per feature; invalid where none is matched
-  std::shared_ptr<const LineSet> lines;  ///< nullptr without a detector
-  std::vector<LineId> map_lines;         ///< per line; invalid where none is matched
-  SE3 cam_from_world;
-  Matrix6d covariance = Matrix6d::Zero();
-  KeyframeId reference;    ///< what the pose hangs on when the map is corrected
-  SE3 cam_from_reference;  ///< see Map::Place
-  double unit = 1;         ///< of the reference, when cam_from_world was set
-  int inliers = 0;         ///< points
-  int line_inliers = 0;
-  int matches = 0;
+  std::shared_ptr<const FrameObservation> seen;
+  Placement placement;       ///< in no map until the frame is tracked
+  int64_t published_us = 0;  ///< as ImageFrame::published_us
   TrackingTimes times;
 
-  /// What the pose rests on.
-  int Support() const { return inliers + line_inliers; }
-  void ForgetMatches() {
-    points.assign(features.keypoints.size(), PointId());
-    map_lines.assign(lines ? lines->lines.size() : 0, LineId());
-    inliers = line_inliers = 0;
+  int64_t seq() const { return seen->frame_seq; }
+  /// Forgets what was believed and begins anew in `map`, at this pose and without matches.
+  void PlaceIn(MapId map, const SE3& cam_from_world) {
+    placement = Placement(map, *seen, cam_from_world);
   }
 };
 

@@ -15,7 +15,8 @@ int DropRotationOutliers(const std::vector<float>& last_angles_rad,
                          const std::vector<int>& features, Frame* frame) {
   std::vector<float> differences;
   for (size_t i = 0; i < features.size(); ++i) {
-    differences.push_back(last_angles_rad[i] - frame->features.keypoints[features[i]].angle_rad);
+    differences.push_back(last_angles_rad[i] -
+                          frame->seen->features.keypoints[features[i]].angle_rad);
   }
   const std::vector<uint8_t> keep = FindRotationConsistent(differences);
   int kept = 0;
@@ -23,7 +24,7 @@ int DropRotationOutliers(const std::vector<float>& last_angles_rad,
     if (keep[i]) {
       ++kept;
     } else {
-      frame->points[features[i]] = PointId();
+      frame->placement.UnmatchPoint(features[i]);
     }
   }
   return kept;
@@ -31,84 +32,88 @@ int DropRotationOutliers(const std::vector<float>& last_angles_rad,
 
 }  // namespace
 
-int MatchLastFrame(const TrackingContext& context, const Frame& last, double window_px,
-                   const MotionTrackingOptions& options, Frame* frame) {
-  frame->ForgetMatches();
-  std::vector<uint8_t> taken(frame->features.size(), 0);
+int MatchLastFrame(const TrackingContext& context, const Frame& last, const SE3& cam_from_world,
+                   double window_px, const MotionTrackingOptions& options, Frame* frame) {
+  frame->PlaceIn(last.placement.map(), cam_from_world);
+  const FrameObservation& seen = *frame->seen;
+  const std::vector<PointId>& last_points = last.placement.points();
+  std::vector<uint8_t> taken(seen.num_features(), 0);
   // Two features of the last frame may show one point by now: theirs were fused since.
   std::vector<uint8_t> found(context.map.point_end(), 0);
   std::vector<float> last_angles_rad;
   std::vector<int> matched;
-  for (size_t i = 0; i < last.points.size(); ++i) {
-    if (!last.points[i].IsValid()) continue;
-    const PointId id = context.map.Resolve(last.points[i]);
+  for (size_t i = 0; i < last_points.size(); ++i) {
+    if (!last_points[i].IsValid()) continue;
+    const PointId id = context.map.Resolve(last_points[i]);
     const MapPoint* point = context.map.Find(id);
     if (!point || found[id.value]) continue;
-    const Eigen::Vector3d x = frame->cam_from_world * point->position;
+    const Eigen::Vector3d x = cam_from_world * point->position;
     if (x.z() < kMinDepth) continue;
     const Eigen::Vector2d px = context.camera.Project(x);
     if (!context.bounds.Contains(px)) continue;
-    const Keypoint& last_keypoint = last.features.keypoints[i];
+    const Keypoint& last_keypoint = last.seen->features.keypoints[i];
     WindowQuery query;
     query.x_px = static_cast<float>(px.x());
     query.y_px = static_cast<float>(px.y());
     query.radius_px = static_cast<float>(window_px * context.scales.scale(last_keypoint.octave));
     query.octaves = {std::max(0, last_keypoint.octave - 1), last_keypoint.octave + 1};
     query.max_distance = options.max_distance;
-    const auto match =
-        BestMatchInWindow(point->descriptor, query, frame->features, frame->grid, taken);
-    if (!match) continue;
+    const auto match = BestMatchInWindow(point->descriptor, query, seen.features, seen.grid, taken);
+    if (!match || !frame->placement.Match(match->index, *point)) continue;
     taken[match->index] = 1;
     found[id.value] = 1;
-    frame->points[match->index] = id;
     last_angles_rad.push_back(last_keypoint.angle_rad);
     matched.push_back(match->index);
   }
   return DropRotationOutliers(last_angles_rad, matched, frame);
 }
 
-int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe_id, Frame* frame) {
-  frame->ForgetMatches();
+int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe_id, const SE3& cam_from_world,
+                  Frame* frame) {
   const Keyframe* keyframe = context.map.Find(keyframe_id);
+  frame->PlaceIn(keyframe ? keyframe->map : MapId(), cam_from_world);
   if (!keyframe) return 0;
-  std::vector<PointId> ids;
+  std::vector<const MapPoint*> points;
   std::vector<Descriptor> descriptors;
   for (const PointId id : keyframe->points) {
     if (const MapPoint* point = context.map.Find(id)) {
-      ids.push_back(id);
+      points.push_back(point);
       descriptors.push_back(point->descriptor);
     }
   }
-  const std::vector<Match> matches = MatchByDescriptor(descriptors, frame->features.descriptors);
-  for (const Match& m : matches) frame->points[m.second] = ids[m.first];
-  return static_cast<int>(matches.size());
+  int count = 0;
+  for (const Match& m : MatchByDescriptor(descriptors, frame->seen->features.descriptors)) {
+    count += frame->placement.Match(m.second, *points[m.first]);
+  }
+  return count;
 }
 
 PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vector<int>* features,
                          std::vector<int>* segments) {
   PoseMeasurements measurements;
-  for (int i = 0; i < frame->features.size(); ++i) {
-    const MapPoint* point = context.map.Find(frame->points[i]);
+  Placement& placement = frame->placement;
+  for (int i = 0; i < static_cast<int>(placement.points().size()); ++i) {
+    const MapPoint* point = context.map.Find(placement.points()[i]);
     if (!point) {
-      frame->points[i] = PointId();
+      placement.UnmatchPoint(i);
       continue;
     }
-    const Keypoint& keypoint = frame->features.keypoints[i];
+    const Keypoint& keypoint = frame->seen->features.keypoints[i];
     measurements.points.push_back(
         {point->position, keypoint.Position(), CornerSqrtInformation(keypoint, context.scales)});
     features->push_back(i);
   }
-  for (size_t i = 0; i < frame->map_lines.size(); ++i) {
-    const MapLine* line = context.map.Find(frame->map_lines[i]);
+  for (int i = 0; i < static_cast<int>(placement.lines().size()); ++i) {
+    const MapLine* line = context.map.Find(placement.lines()[i]);
     if (!line) {
-      frame->map_lines[i] = LineId();
+      placement.UnmatchLine(i);
       continue;
     }
-    const LineSegment& segment = frame->lines->lines[i];
+    const LineSegment& segment = frame->seen->segments()[i];
     const double sigma_px = LineSigma_px(segment.sigma_px);
     measurements.lines.push_back({line->start, line->end, segment.start_px.cast<double>(),
                                   segment.end_px.cast<double>(), 1 / (sigma_px * sigma_px)});
-    segments->push_back(static_cast<int>(i));
+    segments->push_back(i);
   }
   return measurements;
 }
@@ -118,41 +123,21 @@ int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& op
   std::vector<int> features, segments;
   PoseMeasurements measurements = Measure(context, frame, &features, &segments);
   measurements.rotation = rotation;
+  Placement& placement = frame->placement;
   const PoseEstimate estimate =
-      OptimizePose(context.camera, measurements, frame->cam_from_world, options);
-  frame->cam_from_world = estimate.cam_from_world;
-  frame->covariance = estimate.covariance;
-  frame->matches = static_cast<int>(measurements.points.size());
-  frame->inliers = estimate.num_inliers;
+      OptimizePose(context.camera, measurements, placement.cam_from_world, options);
+  placement.cam_from_world = estimate.cam_from_world;
+  placement.covariance = estimate.covariance;
+  placement.num_matches = static_cast<int>(measurements.points.size());
+  placement.inliers = estimate.num_inliers;
   for (size_t i = 0; i < features.size(); ++i) {
-    if (!estimate.inliers[i]) frame->points[features[i]] = PointId();
+    if (!estimate.inliers[i]) placement.UnmatchPoint(features[i]);
   }
-  frame->line_inliers = estimate.num_line_inliers;
+  placement.line_inliers = estimate.num_line_inliers;
   for (size_t i = 0; i < segments.size(); ++i) {
-    if (!estimate.line_inliers[i]) frame->map_lines[segments[i]] = LineId();
+    if (!estimate.line_inliers[i]) placement.UnmatchLine(segments[i]);
   }
-  return frame->inliers;
-}
-
-bool HangOn(const Map& map, KeyframeId reference, Frame* frame) {
-  frame->reference = reference;
-  if (!map.Hang(reference, frame->cam_from_world, &frame->cam_from_reference)) return false;
-  frame->unit = map.FindEvenCulled(reference)->unit;
-  return true;
-}
-
-bool FollowMap(const Map& map, Frame* frame, SE3* velocity) {
-  if (!map.Place(frame->reference, frame->cam_from_reference, &frame->cam_from_world)) return false;
-  const Keyframe& reference = *map.FindEvenCulled(frame->reference);
-  if (velocity) velocity->translation *= reference.unit / frame->unit;
-  frame->unit = reference.unit;
-  // A frame that became a keyframe was given new points since.
-  if (!reference.culled && reference.frame_seq == frame->seq) {
-    frame->points = reference.points;
-    frame->points.resize(frame->features.size());
-    frame->map_lines = reference.lines;
-  }
-  return true;
+  return placement.inliers;
 }
 
 }  // namespace vpslam

@@ -20,12 +20,15 @@ struct TrackingContext {
   const Map& map;
 };
 
-/// Matches the points that `last` saw, projected with frame->cam_from_world. Returns how many.
-int MatchLastFrame(const TrackingContext& context, const Frame& last, double window_px,
-                   const MotionTrackingOptions& options, Frame* frame);
+/// Places the frame at `cam_from_world` in the map in which `last` was tracked, and matches the
+/// points that `last` saw. Returns how many.
+int MatchLastFrame(const TrackingContext& context, const Frame& last, const SE3& cam_from_world,
+                   double window_px, const MotionTrackingOptions& options, Frame* frame);
 
-/// Matches the keyframe's points by descriptor alone. Returns how many.
-int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe, Frame* frame);
+/// Places the frame at `cam_from_world` in the keyframe's map, and matches the keyframe's points by
+/// descriptor alone. Returns how many; 0 if the map does not have that keyframe.
+int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe, const SE3& cam_from_world,
+                  Frame* frame);
 
 /// What the frame's matches say about its pose: `features` and `segments` receive the index of
 /// each. Matches with what is gone are taken away.
@@ -36,13 +39,5 @@ PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vect
 /// that do not fit are taken away. Returns the number that fit.
 int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options, Frame* frame,
                   const std::optional<RotationMeasurement>& rotation = {});
-
-/// Lets the frame's pose hang on `reference`. False if the map does not have that keyframe.
-bool HangOn(const Map& map, KeyframeId reference, Frame* frame);
-
-/// The map has changed: the frame moves with the keyframe that it hangs on and, if it has become a
-/// keyframe itself, has that one's points. `velocity` (of cameras, may be nullptr) keeps up with
-/// the map's unit of length. False if the keyframe is not there (any more).
-bool FollowMap(const Map& map, Frame* frame, SE3* velocity);
 
 }  // namespace vpslam

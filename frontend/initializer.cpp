@@ -11,9 +11,9 @@
 namespace vpslam {
 namespace {
 
-InitialMap MakeInitialMap(const Frame& first, const Frame& second,
-                          const std::vector<Match>& matches, const TwoViewCandidate& motion) {
-  InitialMap map{first, second, {}};
+InitialMap MakeInitialMap(const Frame& first, const std::vector<Match>& matches,
+                          const TwoViewCandidate& motion) {
+  InitialMap map{first, {}, {}};
   std::vector<double> depths;
   for (size_t i = 0; i < matches.size(); ++i) {
     if (!motion.point[i]) continue;
@@ -24,8 +24,7 @@ InitialMap MakeInitialMap(const Frame& first, const Frame& second,
   std::nth_element(depths.begin(), middle, depths.end());
   const double scale = 1.0 / *middle;
   for (InitialPoint& p : map.points) p.position_in_world *= scale;
-  map.first.cam_from_world = SE3();
-  map.second.cam_from_world =
+  map.second_from_first =
       SE3(motion.second_from_first.rotation, motion.second_from_first.translation * scale);
   return map;
 }
@@ -46,21 +45,24 @@ double VpDifference_rad(const Eigen::Quaterniond& second_from_first, const LineS
 void Initializer::TakeAsReference(const Frame& frame) {
   frames_tried_ = 0;
   reference_.reset();
-  if (frame.features.size() < options_.min_features) return;
+  if (frame.seen->num_features() < options_.min_features) return;
   reference_ = frame;
   predicted_px_.clear();
-  for (const Keypoint& k : frame.features.keypoints) predicted_px_.emplace_back(k.x_px, k.y_px);
+  for (const Keypoint& k : frame.seen->features.keypoints)
+    predicted_px_.emplace_back(k.x_px, k.y_px);
 }
 
 std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& rng) {
-  if (!reference_ || frame.features.size() < options_.min_features) {
+  if (!reference_ || frame.seen->num_features() < options_.min_features) {
     TakeAsReference(frame);
     return std::nullopt;
   }
+  const Features& features = frame.seen->features;
+  const Features& reference_features = reference_->seen->features;
   const std::vector<Match> matches =
-      MatchForInitialisation(reference_->features, frame.features, frame.grid, predicted_px_);
+      MatchForInitialisation(reference_features, features, frame.seen->grid, predicted_px_);
   for (const Match& m : matches) {
-    const Keypoint& k = frame.features.keypoints[m.second];
+    const Keypoint& k = features.keypoints[m.second];
     predicted_px_[m.first] = {k.x_px, k.y_px};
   }
   if (static_cast<int>(matches.size()) < options_.min_matches ||
@@ -70,29 +72,32 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
   }
   std::vector<TwoViewMatch> pairs;
   for (const Match& m : matches) {
-    const Keypoint& a = reference_->features.keypoints[m.first];
-    const Keypoint& b = frame.features.keypoints[m.second];
+    const Keypoint& a = reference_features.keypoints[m.first];
+    const Keypoint& b = features.keypoints[m.second];
     pairs.push_back({a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
   }
   const TwoViewResult result = EstimateTwoView(camera_, pairs, options_.two_view, rng);
-  const TwoViewCandidate* motion = Decide(result, frame);
+  const TwoViewCandidate* motion = Decide(result, frame.seen->lines.get());
   if (!motion) return std::nullopt;
-  return MakeInitialMap(*reference_, frame, matches, *motion);
+  return MakeInitialMap(*reference_, matches, *motion);
 }
 
-const TwoViewCandidate* Initializer::Decide(const TwoViewResult& result, const Frame& frame) const {
+const TwoViewCandidate* Initializer::Decide(const TwoViewResult& result,
+                                            const LineSet* lines) const {
   if (result.status == TwoViewStatus::kOk) return &result.candidates.front();
-  // A rival that is left alone is so because the others, one of them right, lack parallax.
+  // Of several rivals one alone is left where the others lacked parallax. One of those may be the
+  // true motion, so the one that is left is not taken.
   if (result.status != TwoViewStatus::kAmbiguous || result.candidates.size() < 2) return nullptr;
-  const bool has_vps = options_.vps && reference_->lines && frame.lines &&
-                       IsSoundManhattan(*reference_->lines, kMinSupport, kMaxSigma_rad) &&
-                       IsSoundManhattan(*frame.lines, kMinSupport, kMaxSigma_rad);
-  if (!has_vps) return nullptr;
-  // One that agrees, where no other does.
+  const LineSet* reference_lines = reference_->seen->lines.get();
+  const auto is_sound = [](const LineSet* set) {
+    return set && IsSoundManhattan(*set, kMinSupport, kMaxSigma_rad);
+  };
+  if (!options_.vps || !is_sound(reference_lines) || !is_sound(lines)) return nullptr;
+  // The only candidate that agrees with the vanishing points of both views.
   const TwoViewCandidate* agreeing = nullptr;
   for (const TwoViewCandidate& candidate : result.candidates) {
     const double difference_rad =
-        VpDifference_rad(candidate.second_from_first.rotation, *reference_->lines, *frame.lines);
+        VpDifference_rad(candidate.second_from_first.rotation, *reference_lines, *lines);
     if (difference_rad > options_.max_vp_difference_deg * kRadPerDeg) continue;
     if (agreeing) return nullptr;
     agreeing = &candidate;

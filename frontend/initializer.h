@@ -17,9 +17,11 @@
 
 namespace vpslam {
 
-/// Two views and what they show; world is the first camera, the median depth of the points 1.
+/// Two views and what they show. The second is the frame that was added; the world is the first
+/// camera, and the median depth of the points 1.
 struct InitialMap {
-  Frame first, second;
+  Frame first;
+  SE3 second_from_first;
   std::vector<InitialPoint> points;
 };
 
@@ -34,7 +36,8 @@ class Initializer {
  private:
   void TakeAsReference(const Frame& frame);
   /// The motion to start from; nullptr if there is none, or it is not clear which.
-  const TwoViewCandidate* Decide(const TwoViewResult& result, const Frame& frame) const;
+  /// `lines`: of the second view; may be nullptr.
+  const TwoViewCandidate* Decide(const TwoViewResult& result, const LineSet* lines) const;
 
   const Camera& camera_;
   const ScalePyramid& scales_;

@@ -33,7 +33,7 @@ Tracking TrackingOf(const Frame& frame, KeyframeId reference, const Map& map,
   // A young map has no point with three observations yet.
   const size_t min_observations = map.NumKeyframes(map_id) <= 2 ? 2 : 3;
   const int tracked = TrackedLandmarks(map, reference, min_observations);
-  const int support = frame.Support();
+  const int support = frame.placement.Support();
   const bool is_less = support < options.max_tracked_ratio * tracked;
   return {is_less, is_less && support < std::max(options.weak_tracked_ratio * tracked,
                                                  1.0 * options.weak_support)};
@@ -48,7 +48,8 @@ bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
 
 bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
                 const Map& map, const KeyframePolicyOptions& options) {
-  if (earlier.frames_since < options.min_frames || frame.Support() < options.min_inliers) {
+  if (earlier.frames_since < options.min_frames ||
+      frame.placement.Support() < options.min_inliers) {
     return false;
   }
   const Tracking tracking = TrackingOf(frame, reference, map, options);
@@ -57,20 +58,18 @@ bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes
                                                 : std::max(1, options.max_unanswered));
 }
 
-KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map) {
+KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id) {
   KeyframeProposal proposal;
   proposal.id = id;
-  proposal.map = map;
-  proposal.frame_seq = frame.seq;
-  proposal.stamp_us = frame.stamp_us;
-  proposal.cam_from_world = frame.cam_from_world;
-  proposal.reference = frame.reference;
-  proposal.features = frame.features;
-  proposal.points = frame.points;
-  proposal.points.resize(frame.features.size());
-  if (frame.lines) proposal.lines = *frame.lines;
-  proposal.map_lines = frame.map_lines;
-  proposal.map_lines.resize(proposal.lines.lines.size());
+  proposal.map = frame.placement.map();
+  proposal.frame_seq = frame.seen->frame_seq;
+  proposal.stamp_us = frame.seen->stamp_us;
+  proposal.cam_from_world = frame.placement.cam_from_world;
+  proposal.reference = frame.placement.reference;
+  proposal.features = frame.seen->features;
+  proposal.points = frame.placement.points();
+  if (frame.seen->lines) proposal.lines = *frame.seen->lines;
+  proposal.map_lines = frame.placement.lines();
   return proposal;
 }
 

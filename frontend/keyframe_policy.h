@@ -22,7 +22,7 @@ bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
 bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
                 const Map& map, const KeyframePolicyOptions& options);
 
-/// The frame as keyframe `id` of `map`.
-KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id, MapId map);
+/// The frame as keyframe `id` of the map in which it is placed.
+KeyframeProposal MakeProposal(const Frame& frame, KeyframeId id);
 
 }  // namespace vpslam

@@ -17,9 +17,9 @@ void LateTracker::Start(std::vector<Frame> frames, const Frame& first, int64_t s
   Walk backwards, between;
   backwards.last = between.last = first;
   for (Frame& frame : frames) {
-    if (frame.seq < first.seq) {
+    if (frame.seq() < first.seq()) {
       backwards.todo.push_front(std::move(frame));
-    } else if (frame.seq > first.seq && frame.seq < second_seq) {
+    } else if (frame.seq() > first.seq() && frame.seq() < second_seq) {
       between.todo.push_back(std::move(frame));
     }
   }
@@ -31,19 +31,18 @@ void LateTracker::Return(std::vector<Frame> frames, const Frame& found) {
   Walk back;
   back.last = found;
   for (Frame& frame : frames) {
-    if (frame.seq < found.seq) back.todo.push_front(std::move(frame));
+    if (frame.seq() < found.seq()) back.todo.push_front(std::move(frame));
   }
   walks_.push_back(std::move(back));
 }
 
 bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame* frame) const {
-  const SE3& last = walk.last.cam_from_world;
-  frame->cam_from_world = walk.has_velocity ? walk.velocity * last : last;
+  const SE3& last = walk.last.placement.cam_from_world;
+  const SE3 predicted = walk.has_velocity ? walk.velocity * last : last;
   const auto& motion = options_.motion;
-  int matches = MatchLastFrame(context, walk.last, motion.window_px, motion, frame);
+  int matches = MatchLastFrame(context, walk.last, predicted, motion.window_px, motion, frame);
   if (matches < motion.min_matches) {
-    frame->cam_from_world = last;
-    matches = MatchLastFrame(context, walk.last, 2 * motion.window_px, motion, frame);
+    matches = MatchLastFrame(context, walk.last, last, 2 * motion.window_px, motion, frame);
   }
   if (matches < motion.min_matches) return false;
   if (OptimizeFrame(context, options_.pose, frame) < motion.min_inliers) return false;
@@ -52,8 +51,8 @@ bool LateTracker::Place(const TrackingContext& context, const Walk& walk, Frame*
   MatchLocalMap(context, local, options_.local_map, 1.0, frame, &visible);
   MatchLines(context, local.lines, options_.lines.window_px, options_.lines, frame);
   OptimizeFrame(context, options_.pose, frame);
-  if (frame->Support() < options_.local_map.min_inliers) return false;
-  return HangOn(context.map, local.reference, frame);
+  if (frame->placement.Support() < options_.local_map.min_inliers) return false;
+  return frame->placement.HangOn(context.map, local.reference);
 }
 
 std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
@@ -61,7 +60,7 @@ std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
   if (walks_.empty()) return std::nullopt;
   Walk& walk = walks_.front();
   // The map moves while the walk goes on.
-  if (!FollowMap(context.map, &walk.last, &walk.velocity)) {
+  if (!walk.last.placement.Follow(context.map, *walk.last.seen, &walk.velocity)) {
     walk.todo.clear();
     return std::nullopt;
   }
@@ -73,7 +72,7 @@ std::optional<Frame> LateTracker::Step(const TrackingContext& context) {
   }
   walk.failures = 0;
   ++walk.frames_since_keyframe;
-  walk.velocity = frame.cam_from_world * walk.last.cam_from_world.Inverse();
+  walk.velocity = frame.placement.cam_from_world * walk.last.placement.cam_from_world.Inverse();
   walk.has_velocity = true;
   walk.last = frame;
   return frame;

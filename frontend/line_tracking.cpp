@@ -10,15 +10,15 @@ namespace vpslam {
 
 int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines, double window_px,
                const LineTrackingOptions& options, Frame* frame) {
-  if (!options.enabled || !frame->lines) return 0;
-  const std::vector<LineSegment>& segments = frame->lines->lines;
-  frame->map_lines.resize(segments.size());
+  if (!options.enabled) return 0;
+  const std::vector<LineSegment>& segments = frame->seen->segments();
+  const std::vector<LineId>& lines_of_frame = frame->placement.lines();
   std::vector<uint8_t> taken(segments.size(), 0);
   std::set<LineId> matched;
-  for (size_t i = 0; i < segments.size(); ++i) {
-    if (!frame->map_lines[i].IsValid()) continue;
+  for (size_t i = 0; i < lines_of_frame.size(); ++i) {
+    if (!lines_of_frame[i].IsValid()) continue;
     taken[i] = 1;
-    matched.insert(frame->map_lines[i]);
+    matched.insert(lines_of_frame[i]);
   }
   LineWindow window;
   window.max_offset_px = window_px;
@@ -29,12 +29,11 @@ int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines,
     const MapLine* line = context.map.Find(id);
     if (!line || !matched.insert(id).second) continue;
     const auto predicted =
-        PredictSegment(*line, frame->cam_from_world, context.camera, context.bounds);
+        PredictSegment(*line, frame->placement.cam_from_world, context.camera, context.bounds);
     if (!predicted) continue;
     const auto match = BestLineInWindow(*predicted, line->descriptor, window, segments, taken);
-    if (!match) continue;
+    if (!match || !frame->placement.Match(match->index, *line)) continue;
     taken[match->index] = 1;
-    frame->map_lines[match->index] = id;
     ++count;
   }
   return count;

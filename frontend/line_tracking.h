@@ -9,7 +9,7 @@
 
 namespace vpslam {
 
-/// Matches `lines` of the map, projected with frame->cam_from_world, with segments of the frame
+/// Matches `lines` of the map, projected with the frame's pose, with segments of the frame
 /// that have no line yet. A segment lies at most `window_px` away from where its line is predicted.
 /// Returns how many were matched.
 int MatchLines(const TrackingContext& context, const std::vector<LineId>& lines, double window_px,

@@ -17,12 +17,12 @@ constexpr double kFrontalCosine = 0.998;
 LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptions& options) {
   LocalMap local;
   std::vector<int> votes(map.keyframe_end(), 0);
-  for (const PointId id : frame.points) {
+  for (const PointId id : frame.placement.points()) {
     const MapPoint* point = map.Find(id);
     if (!point) continue;
     for (const Observation& o : point->observations) ++votes[o.keyframe.value];
   }
-  for (const LineId id : frame.map_lines) {
+  for (const LineId id : frame.placement.lines()) {
     const MapLine* line = map.Find(id);
     if (!line) continue;
     for (const Observation& o : line->observations) ++votes[o.keyframe.value];
@@ -76,21 +76,24 @@ LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptio
 int MatchLocalMap(const TrackingContext& context, const LocalMap& local,
                   const LocalMapOptions& options, double radius_factor, Frame* frame,
                   std::vector<PointId>* visible) {
-  std::vector<uint8_t> taken(frame->features.size(), 0);
+  const FrameObservation& seen = *frame->seen;
+  const std::vector<PointId>& points = frame->placement.points();
+  std::vector<uint8_t> taken(seen.num_features(), 0);
   std::vector<uint8_t> matched(context.map.point_end(), 0);
-  for (int i = 0; i < frame->features.size(); ++i) {
-    if (!frame->points[i].IsValid()) continue;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].IsValid()) continue;
     taken[i] = 1;
-    matched[frame->points[i].value] = 1;
-    visible->push_back(frame->points[i]);
+    matched[points[i].value] = 1;
+    visible->push_back(points[i]);
   }
-  const Eigen::Vector3d center = frame->cam_from_world.Center();
+  const SE3& cam_from_world = frame->placement.cam_from_world;
+  const Eigen::Vector3d center = cam_from_world.Center();
   int count = 0;
   for (const PointId id : local.points) {
     const MapPoint* point = context.map.Find(id);
     if (!point || matched[id.value]) continue;
-    const auto view = PredictView(*point, frame->cam_from_world, center, context.camera,
-                                  context.bounds, context.scales);
+    const auto view =
+        PredictView(*point, cam_from_world, center, context.camera, context.bounds, context.scales);
     if (!view) continue;
     visible->push_back(id);
     const double radius_px =
@@ -103,11 +106,9 @@ int MatchLocalMap(const TrackingContext& context, const LocalMap& local,
     query.octaves = {std::max(0, view->octave - 1), view->octave + 1};
     query.max_distance = options.max_distance;
     query.ratio = static_cast<float>(options.ratio);
-    const auto match =
-        BestMatchInWindow(point->descriptor, query, frame->features, frame->grid, taken);
-    if (!match) continue;
+    const auto match = BestMatchInWindow(point->descriptor, query, seen.features, seen.grid, taken);
+    if (!match || !frame->placement.Match(match->index, *point)) continue;
     taken[match->index] = 1;
-    frame->points[match->index] = id;
     ++count;
   }
   return count;

@@ -18,20 +18,22 @@ std::vector<Frame> LossBridge::Cross() {
   std::vector<Frame> frames(near_end_.begin(), near_end_.end());
   crossing_.insert(crossing_.end(), frames.begin(), frames.end());
   near_end_.clear();
-  for (Frame& frame : frames) frame.ForgetMatches();
+  for (Frame& frame : frames) frame.placement = Placement();
   return frames;
 }
 
 std::optional<MapSeam> LossBridge::SeamAt(const Map& map, const Frame& placed) const {
-  const Frame* before = Find(placed.seq);
+  const Frame* frame = Find(placed.seq());
+  if (!frame) return std::nullopt;
+  const Placement& before = frame->placement;
   MapSeam seam;
-  if (!before || !map.Place(before->reference, before->cam_from_reference, &seam.cam_from_world)) {
+  if (!map.Place(before.reference, before.cam_from_reference, &seam.cam_from_world)) {
     return std::nullopt;
   }
-  seam.map = map.FindEvenCulled(before->reference)->map;
-  if (seam.map == map.FindEvenCulled(placed.reference)->map) return std::nullopt;
-  for (int i = 0; i < before->features.size(); ++i) {
-    const MapPoint* point = map.Find(map.Resolve(before->points[i]));
+  seam.map = map.Resolve(before.map());
+  if (seam.map == map.Resolve(placed.placement.map())) return std::nullopt;
+  for (int i = 0; i < static_cast<int>(before.points().size()); ++i) {
+    const MapPoint* point = map.Find(map.Resolve(before.points()[i]));
     if (point && point->map == seam.map) seam.points.push_back({i, point->id});
   }
   return seam;
@@ -39,7 +41,7 @@ std::optional<MapSeam> LossBridge::SeamAt(const Map& map, const Frame& placed) c
 
 const Frame* LossBridge::Find(int64_t seq) const {
   const auto at = std::find_if(crossing_.begin(), crossing_.end(),
-                               [&](const Frame& f) { return f.seq == seq; });
+                               [&](const Frame& f) { return f.seq() == seq; });
   return at == crossing_.end() ? nullptr : &*at;
 }
 

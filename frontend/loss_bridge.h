@@ -36,7 +36,7 @@ class LossBridge {
   /// None of them is left to be placed.
   void EndCrossing() { crossing_.clear(); }
   /// Whether the frame is one of these: it was tracked when it came, and has its pose already.
-  bool Has(const Frame& frame) const { return Find(frame.seq) != nullptr; }
+  bool Has(const Frame& frame) const { return Find(frame.seq()) != nullptr; }
   /// Of a frame that crosses, now that it is placed in the new map: where it stands in the old one,
   /// and what it shows of that. None if the old one is gone, or the two have met. The backend needs
   /// points that are common; where both are in view it makes them with the keyframe.

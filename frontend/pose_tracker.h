@@ -26,9 +26,9 @@ class PoseTracker {
   /// frame, or else from the keyframe that `last` hangs on. False if neither shows enough.
   bool TrackFrom(const Frame& last, const std::optional<SE3>& velocity, Frame* frame) const;
 
-  /// From the points and lines of `map` around the frame's pose, and the modes of rotation and
+  /// From the points and lines of its map around the frame's pose, and the modes of rotation and
   /// translation. `local` receives what is around. False if too little of it is found.
-  bool TrackLocalMap(MapId map, std::mt19937_64& rng, Frame* frame, LocalMap* local);
+  bool TrackLocalMap(std::mt19937_64& rng, Frame* frame, LocalMap* local);
 
   /// How often each point of the local map was to be seen, and was found, since the last call.
   std::vector<PointSighting> TakeSightings();
@@ -43,7 +43,7 @@ class PoseTracker {
 
   bool TrackWithMotion(const Frame& last, const std::optional<SE3>& velocity, Frame* frame) const;
   bool TrackWithKeyframe(const Frame& last, Frame* frame) const;
-  std::optional<RotationMeasurement> MeasuredRotation(MapId map, const Frame& frame) const;
+  std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const;
   /// What the paper does after the pose was optimised.
   void Overwrite(std::mt19937_64& rng, Frame* frame);
 

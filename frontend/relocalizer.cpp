@@ -15,45 +15,47 @@ namespace {
 /// keyframe alone shows only part of what a camera nearby sees.
 int MatchPlace(const TrackingContext& context, KeyframeId keyframe_id, int neighbours,
                Frame* frame) {
-  frame->ForgetMatches();
+  frame->PlaceIn(context.map.Find(keyframe_id)->map, SE3());
   std::vector<KeyframeId> keyframes{keyframe_id};
   for (const auto& [other, shared] : context.map.Covisible(keyframe_id, 15)) {
     if (static_cast<int>(keyframes.size()) > neighbours) break;
     keyframes.push_back(other);
   }
   std::vector<uint8_t> seen(context.map.point_end(), 0);
-  std::vector<PointId> ids;
+  std::vector<const MapPoint*> points;
   std::vector<Descriptor> descriptors;
   for (const KeyframeId id : keyframes) {
     for (const PointId point_id : context.map.Find(id)->points) {
       const MapPoint* point = context.map.Find(point_id);
       if (!point || std::exchange(seen[point_id.value], 1)) continue;
-      ids.push_back(point_id);
+      points.push_back(point);
       descriptors.push_back(point->descriptor);
     }
   }
-  const std::vector<Match> matches = MatchByDescriptor(descriptors, frame->features.descriptors);
-  for (const Match& m : matches) frame->points[m.second] = ids[m.first];
-  return static_cast<int>(matches.size());
+  int count = 0;
+  for (const Match& m : MatchByDescriptor(descriptors, frame->seen->features.descriptors)) {
+    count += frame->placement.Match(m.second, *points[m.first]);
+  }
+  return count;
 }
 
 /// A pose from the matches at hand, some of them wrong; wrong ones are taken away.
 bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* frame) {
   std::vector<PnpMatch> matches;
   std::vector<int> features;
-  for (int i = 0; i < frame->features.size(); ++i) {
-    const MapPoint* point = context.map.Find(frame->points[i]);
+  for (int i = 0; i < frame->seen->num_features(); ++i) {
+    const MapPoint* point = context.map.Find(frame->placement.points()[i]);
     if (!point) continue;
-    const Keypoint& keypoint = frame->features.keypoints[i];
+    const Keypoint& keypoint = frame->seen->features.keypoints[i];
     matches.push_back(
         {point->position, keypoint.Position(), context.scales.sigma_px(keypoint.octave)});
     features.push_back(i);
   }
   const auto pose = EstimatePnp(context.camera, matches, PnpOptions(), rng);
   if (!pose) return false;
-  frame->cam_from_world = pose->cam_from_world;
+  frame->placement.cam_from_world = pose->cam_from_world;
   for (size_t i = 0; i < features.size(); ++i) {
-    if (!pose->inlier[i]) frame->points[features[i]] = PointId();
+    if (!pose->inlier[i]) frame->placement.UnmatchPoint(features[i]);
   }
   return true;
 }
@@ -61,7 +63,7 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
 }  // namespace
 
 /// The pose from a few matches may be crude: look farther around first.
-bool Relocalizer::Refine(const TrackingContext& context, MapId map, const Whereabouts& whereabouts,
+bool Relocalizer::Refine(const TrackingContext& context, const Whereabouts& whereabouts,
                          Frame* frame) const {
   size_t num_visible = 0;
   for (const double radius_factor : {4.0, 1.0}) {
@@ -71,12 +73,13 @@ bool Relocalizer::Refine(const TrackingContext& context, MapId map, const Wherea
     if (OptimizeFrame(context, options_.pose, frame) < options_.motion.min_inliers) return false;
     num_visible = visible.size();
   }
+  const Placement& placement = frame->placement;
+  const bool is_near = whereabouts.Allow(context.map, placement.map(), placement.cam_from_world,
+                                         frame->seen->stamp_us);
   const double min_share =
-      whereabouts.Allow(context.map, map, frame->cam_from_world, frame->stamp_us)
-          ? options_.relocalizer.min_found_share
-          : options_.relocalizer.min_found_share_far;
-  return frame->inliers >= options_.local_map.min_inliers_after_loss &&
-         frame->inliers >= min_share * static_cast<double>(num_visible);
+      is_near ? options_.relocalizer.min_found_share : options_.relocalizer.min_found_share_far;
+  return placement.inliers >= options_.local_map.min_inliers_after_loss &&
+         placement.inliers >= min_share * static_cast<double>(num_visible);
 }
 
 bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
@@ -84,23 +87,19 @@ bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
                            Frame* frame) const {
   const RelocalizerOptions& options = options_.relocalizer;
   return MatchPlace(context, keyframe, options.neighbours, frame) >= options.min_matches &&
-         SolvePose(context, rng, frame) &&
-         Refine(context, context.map.Find(keyframe)->map, whereabouts, frame);
+         SolvePose(context, rng, frame) && Refine(context, whereabouts, frame);
 }
 
-std::optional<MapId> Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
-                                       const Whereabouts& whereabouts, std::mt19937_64& rng,
-                                       Frame* frame) {
+bool Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
+                       const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame) {
   index_.Update(context.map, except);
-  const auto places =
-      index_.Query(context.map, frame->features.descriptors, options_.relocalizer.max_candidates);
+  const auto places = index_.Query(context.map, frame->seen->features.descriptors,
+                                   options_.relocalizer.max_candidates);
   for (const auto& [keyframe, votes] : places) {
-    if (TryPlace(context, keyframe, whereabouts, rng, frame)) {
-      return context.map.Find(keyframe)->map;
-    }
+    if (TryPlace(context, keyframe, whereabouts, rng, frame)) return true;
   }
-  frame->ForgetMatches();
-  return std::nullopt;
+  frame->placement = Placement();
+  return false;
 }
 
 }  // namespace vpslam

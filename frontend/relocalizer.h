@@ -2,7 +2,6 @@
 // (core/map/place_index.h), features against the points there, PnP, and then the local map.
 #pragma once
 
-#include <optional>
 #include <random>
 #include <vector>
 
@@ -20,17 +19,14 @@ class Relocalizer {
       : options_(options), index_(options.relocalizer.places) {}
 
   /// In any map but those in `except` (ascending). Places that `whereabouts` don't allow need more
-  /// evidence. Returns the map in which the frame was found; the frame then has its pose, and
-  /// matches with points of that map only, whatever it was matched with before. On failure it has
-  /// no matches.
-  std::optional<MapId> Find(const TrackingContext& context, const std::vector<MapId>& except,
-                            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
+  /// evidence. On success the frame is placed in the map where it was found; otherwise in none.
+  bool Find(const TrackingContext& context, const std::vector<MapId>& except,
+            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
 
  private:
   bool TryPlace(const TrackingContext& context, KeyframeId keyframe, const Whereabouts& whereabouts,
                 std::mt19937_64& rng, Frame* frame) const;
-  bool Refine(const TrackingContext& context, MapId map, const Whereabouts& whereabouts,
-              Frame* frame) const;
+  bool Refine(const TrackingContext& context, const Whereabouts& whereabouts, Frame* frame) const;
 
   TrackerOptions options_;
   PlaceIndex index_;

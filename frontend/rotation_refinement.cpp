@@ -83,9 +83,10 @@ void RefineTranslation(const TrackingContext& context, TranslationMode mode, int
                                                        : TranslationWeights::kInverseDepth;
   std::vector<int> features, segments;
   const PoseMeasurements measured = Measure(context, frame, &features, &segments);
-  const auto translation = EstimateTranslation(
-      context.camera, measured.points, frame->cam_from_world.rotation, weights, min_inliers, rng);
-  if (translation) frame->cam_from_world.translation = *translation;
+  const auto translation =
+      EstimateTranslation(context.camera, measured.points, frame->placement.cam_from_world.rotation,
+                          weights, min_inliers, rng);
+  if (translation) frame->placement.cam_from_world.translation = *translation;
 }
 
 }  // namespace vpslam

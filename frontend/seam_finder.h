@@ -14,10 +14,10 @@ class SeamFinder {
  public:
   explicit SeamFinder(const SeamOptions& options) : options_(options) {}
 
-  /// `frame` is tracked in `map`; looks, at its turn, for it in all maps but this and `discarded`.
+  /// Looks, at its turn, for a tracked frame in all maps but its own and `discarded`.
   /// A seam has at least min_common features that show points of both maps.
-  std::optional<MapSeam> Look(const TrackingContext& context, const Frame& frame, MapId map,
-                              MapId discarded, std::mt19937_64& rng, Relocalizer* relocalizer);
+  std::optional<MapSeam> Look(const TrackingContext& context, const Frame& frame, MapId discarded,
+                              std::mt19937_64& rng, Relocalizer* relocalizer);
 
  private:
   SeamOptions options_;

@@ -97,9 +97,10 @@ class Tracker::Impl {
   std::vector<Eigen::Vector2f> TrackedPoints() const {
     std::vector<Eigen::Vector2f> tracked;
     if (!last_) return tracked;
-    for (int i = 0; i < last_->features.size(); ++i) {
-      const Keypoint& keypoint = last_->features.keypoints[i];
-      if (last_->points[i].IsValid()) tracked.emplace_back(keypoint.x_px, keypoint.y_px);
+    for (int i = 0; i < last_->seen->num_features(); ++i) {
+      const Keypoint& keypoint = last_->seen->features.keypoints[i];
+      if (last_->placement.points()[i].IsValid())
+        tracked.emplace_back(keypoint.x_px, keypoint.y_px);
     }
     return tracked;
   }
@@ -109,15 +110,12 @@ class Tracker::Impl {
 
   Frame MakeFrame(FrameFeatures features) {
     Stopwatch stopwatch;
+    CheckOctaves(features.features, scales_, "frontend.orb.num_levels");
     Frame frame;
-    frame.seq = features.frame_seq;
-    frame.stamp_us = features.stamp_us;
+    frame.seen =
+        FrameObservation::Make(features.frame_seq, features.stamp_us, std::move(features.features),
+                               bounds_, std::move(features.lines));
     frame.published_us = features.published_us;
-    frame.features = std::move(features.features);
-    CheckOctaves(frame.features, scales_, "frontend.orb.num_levels");
-    frame.grid = FeatureGrid(frame.features.keypoints, bounds_);
-    frame.points.resize(frame.features.size());
-    frame.lines = std::move(features.lines);
     frame.times.decode_ms = features.decode_ms;
     frame.times.features_ms = features.features_ms + stopwatch.Lap_ms();
     return frame;
@@ -141,26 +139,27 @@ class Tracker::Impl {
       return;
     }
     map_id_ = MapId(next_map_++);
-    KeyframeProposal first = MakeProposal(initial->first, NextKeyframeId(), map_id_);
+    first_ = initial->first;
+    first_.PlaceIn(map_id_, SE3());
+    frame.PlaceIn(map_id_, initial->second_from_first);
+    second_seq_ = frame.seq();
+    KeyframeProposal first = MakeProposal(first_, NextKeyframeId());
     first.role = KeyframeRole::kMapFirst;
     first.discarded_map = std::exchange(discarded_map_, MapId());
-    KeyframeProposal second = MakeProposal(initial->second, NextKeyframeId(), map_id_);
+    KeyframeProposal second = MakeProposal(frame, NextKeyframeId());
     second.role = KeyframeRole::kMapSecond;
     second.initial_points = initial->points;
-
-    first_ = initial->first;
-    first_.reference = first.id;
-    first_.inliers = first_.matches = static_cast<int>(initial->points.size());
-    frame.cam_from_world = second.cam_from_world;
-    frame.reference = second.id;
-    frame.inliers = frame.matches = first_.inliers;
-    second_seq_ = frame.seq;
+    first_.placement.BecomeKeyframe(first.id);
+    frame.placement.BecomeKeyframe(second.id);
+    for (Placement* placement : {&first_.placement, &frame.placement}) {
+      placement->inliers = placement->num_matches = static_cast<int>(initial->points.size());
+    }
     output->keyframes.push_back(std::move(first));
     output->keyframes.push_back(std::move(second));
     state_ = TrackingState::kTracking;
     on_probation_ = true;
     output->poses.push_back(ToPose(frame, state_));
-    output->poses.back().keyframe = frame.reference;
+    output->poses.back().keyframe = frame.placement.reference;
     Accept(std::move(frame));
     velocity_.reset();
     frames_since_keyframe_ = 0;
@@ -176,7 +175,7 @@ class Tracker::Impl {
     history_.clear();
     FramePose pose = ToPose(first_, TrackingState::kTracking);
     pose.live = false;
-    pose.keyframe = first_.reference;
+    pose.keyframe = first_.placement.reference;
     output->poses.push_back(pose);
     late_.Start(std::move(frames), first_, second_seq_);
   }
@@ -198,8 +197,7 @@ class Tracker::Impl {
     const size_t n = history_.size();
     if (n > 1) initializer_.Add(history_[n - std::min(n, 1 + kFramesBack)], rng_);
     Frame again = frame;
-    again.ForgetMatches();
-    again.covariance.setZero();
+    again.placement = Placement();
     TryToStart(again, output);
   }
 
@@ -230,15 +228,14 @@ class Tracker::Impl {
     state_ = TrackingState::kLost;
     last_.reset();
     velocity_.reset();
-    frame.ForgetMatches();
-    frame.covariance.setZero();
+    frame.placement = Placement();
     if (WantsNewMap()) return TryToStart(frame, output);
     ++frames_lost_;
     output->poses.push_back(ToPose(frame, state_));
   }
 
-  void Return(MapId map, const Frame& frame) {
-    map_id_ = map;
+  void Return(const Frame& frame) {
+    map_id_ = frame.placement.map();
     late_.Return({history_.begin(), history_.end()}, frame);
     history_.clear();
     bridge_.ForgetNearEnd();
@@ -254,40 +251,39 @@ class Tracker::Impl {
       map_id_ = present;
       poses_.ForgetDirections();  // they are of a world that is no more
     }
-    if (last_) FollowMap(map_, &*last_, velocity_ ? &*velocity_ : nullptr);
+    if (last_) last_->placement.Follow(map_, *last_->seen, velocity_ ? &*velocity_ : nullptr);
     bool placed =
         state_ == TrackingState::kTracking && last_ && poses_.TrackFrom(*last_, velocity_, &frame);
-    std::optional<MapId> found_in;
+    bool relocalized = false;
     if (!placed && !on_probation_) {
-      found_in = relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame);
-      placed = found_in.has_value();
-      if (found_in) poses_.ForgetDirections();  // they are of another world, or of elsewhere
+      relocalized = placed =
+          relocalizer_.Find(context_, {discarded_map_}, whereabouts_, rng_, &frame);
+      if (relocalized) poses_.ForgetDirections();  // they are of another world, or of elsewhere
     }
-    const bool relocalized = found_in.has_value();
     frame.times.initial_pose_ms = stopwatch.Lap_ms();
     LocalMap local;
-    if (placed) placed = poses_.TrackLocalMap(found_in.value_or(map_id_), rng_, &frame, &local);
+    if (placed) placed = poses_.TrackLocalMap(rng_, &frame, &local);
     frame.times.local_map_ms = stopwatch.Lap_ms();
     ++frames_since_keyframe_;
     if (!placed) {
       if (on_probation_) return GiveUpMap(frame, output);
       return Lose(frame, output);
     }
-    if (relocalized) Return(*found_in, frame);
+    if (relocalized) Return(frame);
     state_ = TrackingState::kTracking;
     const auto seam =
         on_probation_ || relocalized || unanswered_ >= options_.keyframes.max_unanswered_when_weak
             ? std::nullopt
-            : seams_.Look(context_, frame, map_id_, discarded_map_, rng_, &relocalizer_);
+            : seams_.Look(context_, frame, discarded_map_, rng_, &relocalizer_);
     if (seam || IsKeyframe(frame, local.reference, {frames_since_keyframe_, unanswered_}, map_,
                            options_.keyframes)) {
       Propose(&frame, output);
       if (seam) output->keyframes.back().seam = *seam;
     }
     output->poses.push_back(ToPose(frame, state_));
-    if (!output->keyframes.empty()) output->poses.back().keyframe = frame.reference;
+    if (!output->keyframes.empty()) output->poses.back().keyframe = frame.placement.reference;
     if (last_ && !relocalized) {
-      velocity_ = frame.cam_from_world * last_->cam_from_world.Inverse();
+      velocity_ = frame.placement.cam_from_world * last_->placement.cam_from_world.Inverse();
     } else {
       velocity_.reset();
     }
@@ -298,19 +294,12 @@ class Tracker::Impl {
   }
 
   void Propose(Frame* frame, TrackerOutput* output) {
-    KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId(), map_id_);
+    KeyframeProposal proposal = MakeProposal(*frame, NextKeyframeId());
     proposal.discarded_map = std::exchange(discarded_map_, MapId());
     proposal.sightings = poses_.TakeSightings();
     frames_since_keyframe_ = 0;
-    HangOnKeyframe(proposal.id, frame);
+    frame->placement.BecomeKeyframe(proposal.id);
     output->keyframes.push_back(std::move(proposal));
-  }
-
-  /// It is the keyframe itself.
-  static void HangOnKeyframe(KeyframeId id, Frame* frame) {
-    frame->reference = id;
-    frame->cam_from_reference = SE3();
-    frame->unit = 1;
   }
 
   void Accept(Frame frame) {
@@ -327,44 +316,43 @@ class Tracker::Impl {
     if (may_propose && late_.Waits(map_)) return;
     std::optional<Frame> frame = late_.Step(context_);
     if (!frame) return;
-    const MapId map = map_.FindEvenCulled(frame->reference)->map;
     const bool has_pose = bridge_.Has(*frame);
     const auto seam = bridge_.SeamAt(map_, *frame);
     if (has_pose && !(seam && may_propose)) return late_.EndWalk();
     const bool is_keyframe =
         may_propose && unanswered_ == 0 && proposed_live_ + output->keyframes.size() < 2 &&
         late_.frames_since_keyframe() >= options_.late_frames_per_keyframe &&
-        (seam || IsWeaklyTracked(*frame, frame->reference, map_, options_.keyframes));
+        (seam || IsWeaklyTracked(*frame, frame->placement.reference, map_, options_.keyframes));
     if (is_keyframe) {
-      output->keyframes.push_back(MakeProposal(*frame, NextKeyframeId(), map));
+      output->keyframes.push_back(MakeProposal(*frame, NextKeyframeId()));
       if (seam) output->keyframes.back().seam = *seam;
-      HangOnKeyframe(output->keyframes.back().id, &*frame);
+      frame->placement.BecomeKeyframe(output->keyframes.back().id);
       late_.GoOnFrom(*frame);
     }
     if (has_pose) return;
     output->poses.push_back(ToPose(*frame, TrackingState::kTracking));
     output->poses.back().live = false;
-    output->poses.back().map = map;
-    if (is_keyframe) output->poses.back().keyframe = frame->reference;
+    output->poses.back().map = frame->placement.map();
+    if (is_keyframe) output->poses.back().keyframe = frame->placement.reference;
   }
 
   KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }
 
   FramePose ToPose(const Frame& frame, TrackingState state) const {
     FramePose pose;
-    pose.frame_seq = frame.seq;
-    pose.stamp_us = frame.stamp_us;
+    pose.frame_seq = frame.seen->frame_seq;
+    pose.stamp_us = frame.seen->stamp_us;
     pose.image_published_us = frame.published_us;
     pose.state = state;
     pose.map = map_id_;
     pose.times = frame.times;
     if (state != TrackingState::kTracking) return pose;
-    pose.cam_from_world = frame.cam_from_world;
-    pose.reference = frame.reference;
-    pose.cam_from_reference = frame.cam_from_reference;
-    pose.covariance = frame.covariance;
-    pose.inliers = frame.inliers;
-    pose.matches = frame.matches;
+    pose.cam_from_world = frame.placement.cam_from_world;
+    pose.reference = frame.placement.reference;
+    pose.cam_from_reference = frame.placement.cam_from_reference;
+    pose.covariance = frame.placement.covariance;
+    pose.inliers = frame.placement.inliers;
+    pose.matches = frame.placement.num_matches;
     return pose;
   }
 

@@ -13,9 +13,10 @@ double ToSeconds(int64_t duration_us) { return 1e-6 * static_cast<double>(durati
 
 void Whereabouts::See(const Frame& frame) {
   constexpr int64_t kWindow_us = 1'000'000;
-  while (!sightings_.empty() && sightings_.back().stamp_us >= frame.stamp_us) sightings_.pop_back();
-  sightings_.push_back({frame.stamp_us, frame.reference, frame.cam_from_reference});
-  while (sightings_.front().stamp_us < frame.stamp_us - kWindow_us) sightings_.pop_front();
+  const int64_t stamp_us = frame.seen->stamp_us;
+  while (!sightings_.empty() && sightings_.back().stamp_us >= stamp_us) sightings_.pop_back();
+  sightings_.push_back({stamp_us, frame.placement.reference, frame.placement.cam_from_reference});
+  while (sightings_.front().stamp_us < stamp_us - kWindow_us) sightings_.pop_front();
 }
 
 bool Whereabouts::Allow(const Map& map, MapId map_id, const SE3& cam_from_world,

@@ -29,7 +29,7 @@ struct Fixture {
   }
   static std::vector<int64_t> SeqsOf(const std::vector<Frame>& placed) {
     std::vector<int64_t> seqs;
-    for (const Frame& frame : placed) seqs.push_back(frame.seq);
+    for (const Frame& frame : placed) seqs.push_back(frame.seq());
     return seqs;
   }
 
@@ -55,10 +55,12 @@ TEST(LateTracker, PlacesFramesBetweenAndBefore) {
   EXPECT_EQ(Fixture::SeqsOf(placed), BetweenThenBackwards());
   for (const Frame& frame : placed) {
     EXPECT_LT(f.s.PositionError(frame), 4 * 3 * 5 * 1.5 / 520 / 10);
-    EXPECT_GE(frame.inliers, 30);
+    EXPECT_GE(frame.placement.inliers, 30);
     SE3 reference;
-    ASSERT_TRUE(f.s.map.map.CamFromWorld(frame.reference, &reference));
-    EXPECT_LT(LocalCoordinates(frame.cam_from_reference * reference, frame.cam_from_world).norm(),
+    ASSERT_TRUE(f.s.map.map.CamFromWorld(frame.placement.reference, &reference));
+    EXPECT_LT(LocalCoordinates(frame.placement.cam_from_reference * reference,
+                               frame.placement.cam_from_world)
+                  .norm(),
               1e-9);
   }
 }
@@ -72,8 +74,9 @@ TEST(LateTracker, FollowsTheMapWhenItMoves) {
     const auto frame = f.late.Step(f.s.context());
     if (!frame) continue;
     ++placed;
-    EXPECT_LT(((frame->cam_from_world * world).Center() - f.s.TruthOf(*frame).Center()).norm(),
-              0.1);
+    EXPECT_LT(
+        ((frame->placement.cam_from_world * world).Center() - f.s.TruthOf(*frame).Center()).norm(),
+        0.1);
     // Everything is shifted by more than any window after each step.
     const SE3 shift(ExpSo3({0.1, 0.2, -0.1}), {1, -2, 0.5});
     Map& map = f.s.map.map;
@@ -96,14 +99,9 @@ TEST(LateTracker, StopsWhereTheMapEnds) {
   // Frames 4 and before show another place; 7 is blind.
   SyntheticScene elsewhere(99);
   for (int seq = 0; seq <= 4; ++seq) {
-    const SyntheticView view = elsewhere.Look(PoseOf(seq));
-    f.frames[seq].features = view.features;
-    f.frames[seq].grid = view.grid;
-    f.frames[seq].points.assign(view.features.size(), PointId());
+    f.s.SetFeatures(elsewhere.Look(PoseOf(seq)).features, &f.frames[seq]);
   }
-  f.frames[7].features = Features();
-  f.frames[7].points.clear();
-  f.frames[7].grid = FeatureGrid(f.frames[7].features.keypoints, f.s.scene.bounds);
+  f.s.SetFeatures(Features(), &f.frames[7]);
   f.late.Start(f.frames, f.first, kSecond);
   const std::vector<Frame> placed = f.Run();
   std::vector<int64_t> expected = BetweenThenBackwards();
@@ -113,11 +111,7 @@ TEST(LateTracker, StopsWhereTheMapEnds) {
 
 TEST(LateTracker, GivesUpAfterThreeFailures) {
   Fixture f(4);
-  for (const int seq : {5, 6, 7}) {
-    f.frames[seq].features = Features();
-    f.frames[seq].points.clear();
-    f.frames[seq].grid = FeatureGrid(f.frames[seq].features.keypoints, f.s.scene.bounds);
-  }
+  for (const int seq : {5, 6, 7}) f.s.SetFeatures(Features(), &f.frames[seq]);
   f.late.Start(f.frames, f.first, kSecond);
   std::vector<int64_t> expected = BetweenThenBackwards();
   std::erase_if(expected, [](int64_t seq) { return seq <= 7; });
@@ -144,9 +138,10 @@ TEST(LateTracker, MergersOfMapsAreFollowed) {
   ASSERT_EQ(placed.size(), 20u);
   for (const Frame& frame : placed) {
     SE3 cam_from_world;
-    ASSERT_TRUE(f.s.map.map.Place(frame.reference, frame.cam_from_reference, &cam_from_world));
-    const SE3 truth = TransformWorld(PoseOf(frame.seq), {ExpSo3({0.5, 1, -0.5}), {1, 2, 3}, 4});
-    EXPECT_LT((cam_from_world.Center() - truth.Center()).norm() / 4, 0.02) << frame.seq;
+    ASSERT_TRUE(f.s.map.map.Place(frame.placement.reference, frame.placement.cam_from_reference,
+                                  &cam_from_world));
+    const SE3 truth = TransformWorld(PoseOf(frame.seq()), {ExpSo3({0.5, 1, -0.5}), {1, 2, 3}, 4});
+    EXPECT_LT((cam_from_world.Center() - truth.Center()).norm() / 4, 0.02) << frame.seq();
   }
 }
 
@@ -158,12 +153,11 @@ TEST(LateTracker, GoesOnFromAKeyframeThatItsFrameBecame) {
   while (f.late.Busy()) {
     auto frame = f.late.Step(f.s.context());
     if (!frame) continue;
-    placed.push_back(frame->seq);
-    if (frame->seq != 8) continue;
+    placed.push_back(frame->seq());
+    if (frame->seq() != 8) continue;
     EXPECT_EQ(f.late.frames_since_keyframe(), 12);
     SyntheticView view = f.s.scene.Look(PoseOf(8));
-    frame->reference = next;
-    frame->cam_from_reference = SE3();
+    frame->placement.BecomeKeyframe(next);
     f.late.GoOnFrom(*frame);
     EXPECT_EQ(f.late.frames_since_keyframe(), 0);
     EXPECT_TRUE(f.late.Waits(f.s.map.map));

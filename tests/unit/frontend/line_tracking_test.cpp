@@ -30,27 +30,35 @@ class LineTracking : public testing::Test {
   /// With its true pose and no match.
   Frame Look(const SE3& pose) {
     seen_ = m_.lines.Look(m_.scene.camera, pose);
+    return Seeing(seen_.set, pose);
+  }
+  Frame Seeing(const LineSet& lines, const SE3& pose) const {
     Frame frame;
-    frame.lines = std::make_shared<const LineSet>(seen_.set);
-    frame.cam_from_world = pose;
-    frame.ForgetMatches();
+    frame.seen = FrameObservation::Make(0, 0, Features(), m_.scene.bounds,
+                                        std::make_shared<const LineSet>(lines));
+    frame.PlaceIn(MapId(0), pose);
     return frame;
   }
   /// Matches with the lines that the segments show.
   void MatchAll(Frame* frame) const {
     for (size_t i = 0; i < seen_.line.size(); ++i) {
       const auto at = id_of_.find(seen_.line[i]);
-      if (at != id_of_.end()) frame->map_lines[i] = at->second;
+      if (at != id_of_.end()) Match(i, at->second, frame);
     }
   }
+  void Match(size_t segment, LineId id, Frame* frame) const {
+    frame->placement.Match(static_cast<int>(segment), *m_.map.map.Find(id));
+  }
   int NumMatched(const Frame& frame) const {
-    return static_cast<int>(std::count_if(frame.map_lines.begin(), frame.map_lines.end(),
-                                          [](LineId id) { return id.IsValid(); }));
+    const std::vector<LineId>& lines = frame.placement.lines();
+    return static_cast<int>(
+        std::count_if(lines.begin(), lines.end(), [](LineId id) { return id.IsValid(); }));
   }
   int NumWrong(const Frame& frame) const {
     int wrong = 0;
-    for (size_t i = 0; i < frame.map_lines.size(); ++i) {
-      wrong += frame.map_lines[i].IsValid() && m_.TruthOf(frame.map_lines[i]) != seen_.line[i];
+    const std::vector<LineId>& lines = frame.placement.lines();
+    for (size_t i = 0; i < lines.size(); ++i) {
+      wrong += lines[i].IsValid() && m_.TruthOf(lines[i]) != seen_.line[i];
     }
     return wrong;
   }
@@ -68,7 +76,8 @@ TEST_F(LineTracking, FindsTheLinesAgainEachOnce) {
   MatchAll(&all);
   ASSERT_GT(NumMatched(all), 10);
   // The pose is known to 2 px.
-  frame.cam_from_world = Retract(pose_, (Vector6d() << 0, 0, 0, 0.003, -0.003, 0).finished());
+  frame.placement.cam_from_world =
+      Retract(pose_, (Vector6d() << 0, 0, 0, 0.003, -0.003, 0).finished());
   // Asked for more than once, it is found once.
   std::vector<LineId> twice = ids_;
   twice.insert(twice.end(), ids_.begin(), ids_.end());
@@ -76,7 +85,7 @@ TEST_F(LineTracking, FindsTheLinesAgainEachOnce) {
   EXPECT_EQ(count, NumMatched(frame));
   EXPECT_GT(count, 0.85 * NumMatched(all));
   EXPECT_EQ(NumWrong(frame), 0);
-  std::set<LineId> different(frame.map_lines.begin(), frame.map_lines.end());
+  std::set<LineId> different(frame.placement.lines().begin(), frame.placement.lines().end());
   different.erase(LineId());
   EXPECT_EQ(static_cast<int>(different.size()), count);
   EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 0) << "all are found already";
@@ -84,21 +93,20 @@ TEST_F(LineTracking, FindsTheLinesAgainEachOnce) {
 
 TEST_F(LineTracking, ALineOfTwoSegmentsIsMatchedOnce) {
   Frame frame = Look(pose_);
-  LineSet set = *frame.lines;
+  LineSet set = *frame.seen->lines;
   // Every segment is there twice: an edge that was found at two scales.
   const size_t n = set.lines.size();
   for (size_t i = 0; i < n; ++i) {
     set.lines.push_back(set.lines[i]);
     seen_.line.push_back(seen_.line[i]);
   }
-  frame.lines = std::make_shared<const LineSet>(set);
-  frame.ForgetMatches();
+  frame = Seeing(set, pose_);
   std::vector<LineId> twice = ids_;
   twice.insert(twice.end(), ids_.begin(), ids_.end());
   const int count = MatchLines(context(), twice, kWindow_px, {}, &frame);
   EXPECT_GT(count, 8);
   std::map<LineId, int> times;
-  for (const LineId id : frame.map_lines) {
+  for (const LineId id : frame.placement.lines()) {
     if (id.IsValid()) ++times[id];
   }
   for (const auto& [id, count_of] : times) EXPECT_EQ(count_of, 1);
@@ -106,7 +114,7 @@ TEST_F(LineTracking, ALineOfTwoSegmentsIsMatchedOnce) {
 
 TEST_F(LineTracking, TheWindowLimits) {
   Frame frame = Look(pose_);
-  frame.cam_from_world =
+  frame.placement.cam_from_world =
       Retract(pose_, (Vector6d() << 0, 0, 0, 0.02, -0.02, 0).finished());  // 15 px
   Frame wide = frame;
   const int narrow_count = MatchLines(context(), ids_, kWindow_px, {}, &frame);
@@ -118,20 +126,21 @@ TEST_F(LineTracking, TheWindowLimits) {
 TEST_F(LineTracking, SegmentsAndLinesThatAreMatchedStaySo) {
   Frame frame = Look(pose_);
   MatchAll(&frame);
-  const std::vector<LineId> before = frame.map_lines;
+  const std::vector<LineId> before = frame.placement.lines();
   // The first match is with another line: it keeps its segment, and is not looked for elsewhere.
   std::vector<size_t> matched;
   for (size_t i = 0; i < before.size(); ++i) {
     if (before[i].IsValid()) matched.push_back(i);
   }
   ASSERT_GT(matched.size(), 3u);
-  frame.map_lines[matched[0]] = before[matched[1]];
-  frame.map_lines[matched[1]] = LineId();
-  frame.map_lines[matched[2]] = LineId();
+  Match(matched[0], before[matched[1]], &frame);
+  for (const size_t i : {matched[1], matched[2]}) {
+    frame.placement.UnmatchLine(static_cast<int>(i));
+  }
   EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 1);
-  EXPECT_EQ(frame.map_lines[matched[0]], before[matched[1]]);
-  EXPECT_FALSE(frame.map_lines[matched[1]].IsValid());
-  EXPECT_EQ(frame.map_lines[matched[2]], before[matched[2]]);
+  EXPECT_EQ(frame.placement.lines()[matched[0]], before[matched[1]]);
+  EXPECT_FALSE(frame.placement.lines()[matched[1]].IsValid());
+  EXPECT_EQ(frame.placement.lines()[matched[2]], before[matched[2]]);
 }
 
 TEST_F(LineTracking, LinesThatAreGoneAreNotLookedFor) {
@@ -145,8 +154,8 @@ TEST_F(LineTracking, WithoutLinesOrSwitchedOffNothingHappens) {
   Frame frame = Look(pose_);
   EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {.enabled = false}, &frame), 0);
   EXPECT_EQ(NumMatched(frame), 0);
-  frame.lines = nullptr;
-  frame.ForgetMatches();
+  frame.seen = FrameObservation::Make(0, 0, Features(), m_.scene.bounds);
+  frame.PlaceIn(MapId(0), pose_);
   EXPECT_EQ(MatchLines(context(), ids_, kWindow_px, {}, &frame), 0);
 }
 
@@ -170,8 +179,8 @@ TEST_F(LineTracking, MeasuresTellWhatTheSegmentsAre) {
   EXPECT_EQ(static_cast<int>(segments.size()), NumMatched(frame)) << "what is gone is no match";
   ASSERT_GT(segments.size(), 8u);
   for (size_t i = 0; i < segments.size(); ++i) {
-    const LineSegment& s = frame.lines->lines[segments[i]];
-    const MapLine& line = *m_.map.map.Find(frame.map_lines[segments[i]]);
+    const LineSegment& s = frame.seen->segments()[segments[i]];
+    const MapLine& line = *m_.map.map.Find(frame.placement.lines()[segments[i]]);
     EXPECT_NE(line.id, gone);
     EXPECT_EQ(measured.lines[i].start_in_world, line.start);
     EXPECT_EQ(measured.lines[i].end_in_world, line.end);
@@ -188,20 +197,22 @@ TEST_F(LineTracking, PoseFromLinesWithinItsCovarianceAndWrongOnesGone) {
     Frame frame = Look(pose_);
     MatchAll(&frame);
     std::vector<size_t> matched;
-    for (size_t i = 0; i < frame.map_lines.size(); ++i) {
-      if (frame.map_lines[i].IsValid()) matched.push_back(i);
+    const std::vector<LineId> lines = frame.placement.lines();
+    for (size_t i = 0; i < lines.size(); ++i) {
+      if (lines[i].IsValid()) matched.push_back(i);
     }
     ASSERT_GT(matched.size(), 10u);
-    std::swap(frame.map_lines[matched[0]], frame.map_lines[matched[1]]);
-    frame.cam_from_world = m_.scene.Disturbed(pose_, 0.01, 0.003);
+    Match(matched[0], lines[matched[1]], &frame);
+    Match(matched[1], lines[matched[0]], &frame);
+    frame.placement.cam_from_world = m_.scene.Disturbed(pose_, 0.01, 0.003);
     OptimizeFrame(context(), {}, &frame);
-    EXPECT_EQ(frame.inliers, 0);
-    EXPECT_EQ(frame.line_inliers, NumMatched(frame));
-    EXPECT_GE(frame.line_inliers, static_cast<int>(0.7 * matched.size()));
-    EXPECT_EQ(frame.Support(), frame.line_inliers);
+    EXPECT_EQ(frame.placement.inliers, 0);
+    EXPECT_EQ(frame.placement.line_inliers, NumMatched(frame));
+    EXPECT_GE(frame.placement.line_inliers, static_cast<int>(0.7 * matched.size()));
+    EXPECT_EQ(frame.placement.Support(), frame.placement.line_inliers);
     EXPECT_LE(NumWrong(frame), 1);
-    const Vector6d e = LocalCoordinates(frame.cam_from_world, pose_);
-    sum += std::min(60.0, e.dot(frame.covariance.ldlt().solve(e)));
+    const Vector6d e = LocalCoordinates(frame.placement.cam_from_world, pose_);
+    sum += std::min(60.0, e.dot(frame.placement.covariance.ldlt().solve(e)));
     ++n;
   }
   // Chi-square with six degrees of freedom: the mean of 40 has a standard deviation of 0.55; some

@@ -14,7 +14,7 @@ TEST(CollectLocalMap, TheReferenceSharesMost) {
   const Frame frame = s.TrackedFrame(PoseAt({1.0, 0, 0}), 0);
   const LocalMap local = CollectLocalMap(s.map.map, frame, {});
   std::map<KeyframeId, int> votes;
-  for (const PointId id : frame.points) {
+  for (const PointId id : frame.placement.points()) {
     if (!id.IsValid()) continue;
     for (const Observation& o : s.map.map.Find(id)->observations) ++votes[o.keyframe];
   }
@@ -54,8 +54,9 @@ TEST(CollectLocalMap, CulledKeyframesAndErasedPointsAreNoPartOfIt) {
   TrackingScene s(4, {}, 5);
   const Frame frame = s.TrackedFrame(PoseAt({0.6, 0, 0}), 0);
   s.map.map.Cull(KeyframeId(2));
-  const PointId erased = *std::find_if(frame.points.begin(), frame.points.end(),
-                                       [](PointId id) { return id.IsValid(); });
+  const PointId erased =
+      *std::find_if(frame.placement.points().begin(), frame.placement.points().end(),
+                    [](PointId id) { return id.IsValid(); });
   if (s.map.map.Find(erased)) s.map.map.Erase(erased);
   const LocalMap local = CollectLocalMap(s.map.map, frame, {});
   EXPECT_EQ(local.keyframes.size(), 4u);
@@ -67,10 +68,10 @@ struct LocalSearch {
   explicit LocalSearch(uint64_t seed, const SyntheticOptions& options = {})
       : s(seed, options, 5), frame(s.TrackedFrame(PoseAt({0.6, 0.1, 0}), 0)) {
     local = CollectLocalMap(s.map.map, frame, {});
-    all = frame.points;
+    all = frame.placement.points();
     // Of what there is, one in four is matched already.
-    for (size_t i = 0; i < frame.points.size(); ++i) {
-      if (i % 4) frame.points[i] = PointId();
+    for (int i = 0; i < frame.seen->num_features(); ++i) {
+      if (i % 4) frame.placement.UnmatchPoint(i);
     }
   }
   int Match(double radius_factor = 1) {
@@ -86,7 +87,7 @@ struct LocalSearch {
 TEST(MatchLocalMap, FindsTheRest) {
   LocalSearch search(5, {.outlier_share = 0.05, .clutter = 100});
   const int before = TrackingScene::NumMatched(search.frame);
-  const auto points = search.frame.points;
+  const auto points = search.frame.placement.points();
   const int found = search.Match();
   EXPECT_EQ(TrackingScene::NumMatched(search.frame), before + found);
   const auto there =
@@ -96,9 +97,9 @@ TEST(MatchLocalMap, FindsTheRest) {
   std::set<PointId> once;
   for (size_t i = 0; i < points.size(); ++i) {
     if (points[i].IsValid()) {
-      EXPECT_EQ(search.frame.points[i], points[i]);
+      EXPECT_EQ(search.frame.placement.points()[i], points[i]);
     }
-    const PointId id = search.frame.points[i];
+    const PointId id = search.frame.placement.points()[i];
     if (id.IsValid()) {
       EXPECT_TRUE(once.insert(id).second);
     }
@@ -110,13 +111,14 @@ TEST(MatchLocalMap, VisibleIsWhatShouldBeSeen) {
   search.Match();
   std::set<PointId> visible(search.visible.begin(), search.visible.end());
   EXPECT_EQ(visible.size(), search.visible.size()) << "each once";
-  for (const PointId id : search.frame.points) {
+  for (const PointId id : search.frame.placement.points()) {
     if (id.IsValid()) {
       EXPECT_TRUE(visible.contains(id));
     }
   }
   for (const PointId id : visible) {
-    const Eigen::Vector3d x = search.frame.cam_from_world * search.s.map.map.Find(id)->position;
+    const Eigen::Vector3d x =
+        search.frame.placement.cam_from_world * search.s.map.map.Find(id)->position;
     EXPECT_GT(x.z(), 0);
     EXPECT_TRUE(search.s.scene.bounds.Contains(search.s.scene.camera.Project(x)));
   }
@@ -128,8 +130,8 @@ TEST(MatchLocalMap, LooksAsFarAroundAsToldTo) {
   const auto found = [](double off_px, double radius_factor) {
     LocalSearch search(7, {.max_octave = 0, .noise_sigmas = 0});
     const int before = TrackingScene::NumMatched(search.frame);
-    search.frame.cam_from_world =
-        SE3(ExpSo3({0, off_px / 520, 0}), {0, 0, 0}) * search.frame.cam_from_world;
+    search.frame.placement.cam_from_world =
+        SE3(ExpSo3({0, off_px / 520, 0}), {0, 0, 0}) * search.frame.placement.cam_from_world;
     return search.Match(radius_factor) / static_cast<double>(before);
   };
   EXPECT_GT(found(2, 1), 2);
@@ -151,7 +153,7 @@ TEST(IsKeyframe, CountsFramesAndPoints) {
   const KeyframePolicyOptions options{.max_tracked_ratio = 0.9, .min_frames = 3, .min_inliers = 15};
   Frame frame;
   const auto is_keyframe = [&](int inliers, int frames_since) {
-    frame.inliers = inliers;
+    frame.placement.inliers = inliers;
     return IsKeyframe(frame, reference, EarlierKeyframes{frames_since, 0}, s.map.map, options);
   };
   const int limit = static_cast<int>(std::ceil(0.9 * sure));
@@ -179,7 +181,7 @@ TEST(IsKeyframe, KeyframesAreThinnedOutWhileTheBackendIsBusy) {
                                       .weak_support = 0};
   Frame frame;
   const auto is_keyframe = [&](double share, int unanswered) {
-    frame.inliers = static_cast<int>(share * sure);
+    frame.placement.inliers = static_cast<int>(share * sure);
     return IsKeyframe(frame, reference, {1, unanswered}, s.map.map, options);
   };
   EXPECT_TRUE(is_keyframe(0.8, 0));
@@ -199,9 +201,9 @@ TEST(IsKeyframe, FewLandmarksAreWeakWhateverTheReferenceHas) {
                                 .weak_tracked_ratio = 0,
                                 .weak_support = 60};
   Frame frame;
-  frame.inliers = 60;
+  frame.placement.inliers = 60;
   EXPECT_FALSE(IsKeyframe(frame, reference, {1, 1}, s.map.map, options));
-  frame.inliers = 59;
+  frame.placement.inliers = 59;
   EXPECT_TRUE(IsKeyframe(frame, reference, {1, 1}, s.map.map, options));
   EXPECT_FALSE(IsKeyframe(frame, reference, {1, 2}, s.map.map, options));
 }
@@ -212,9 +214,9 @@ TEST(IsKeyframe, AYoungMapHasNoPointSeenThrice) {
   for (const PointId id : s.map.map.Find(KeyframeId(0))->points) two += id.IsValid();
   const KeyframePolicyOptions options{.max_tracked_ratio = 0.9};
   Frame frame;
-  frame.inliers = static_cast<int>(0.9 * two) - 1;
+  frame.placement.inliers = static_cast<int>(0.9 * two) - 1;
   EXPECT_TRUE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, options));
-  frame.inliers += 2;
+  frame.placement.inliers += 2;
   EXPECT_FALSE(IsKeyframe(frame, KeyframeId(0), {1, 0}, s.map.map, options));
 }
 

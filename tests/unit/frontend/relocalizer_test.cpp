@@ -13,7 +13,7 @@ bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame,
   std::mt19937_64 rng(seed);
   TrackerOptions tracking;
   tracking.relocalizer = options;
-  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame).has_value();
+  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame);
 }
 
 TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
@@ -21,25 +21,22 @@ TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
        {SyntheticShape::kVolume, SyntheticShape::kSlantedPlane, SyntheticShape::kFrontoParallel}) {
     TrackingScene s(1, {.shape = shape, .outlier_share = 0.2, .clutter = 150}, 5);
     Frame frame = s.NewFrame(PoseAt({0.5, 0.3, -0.4}, {0.05, 0.1, 0.05}), 0);
-    frame.cam_from_world = PoseAt({50, 50, 50});
     ASSERT_TRUE(Relocalize(s, 1, &frame));
     // Each of more than 100 points says where the camera is to 5 x 1.5 px / 520; shifts and turns
     // look alike. Four sigma.
     EXPECT_LT(s.PositionError(frame), 4 * 3 * 5 * 1.5 / 520 / 10);
-    EXPECT_GE(frame.inliers, 50);
-    EXPECT_EQ(frame.inliers, s.NumMatched(frame));
-    EXPECT_LE(s.NumWrong(frame), 0.02 * frame.inliers);
+    EXPECT_GE(frame.placement.inliers, 50);
+    EXPECT_EQ(frame.placement.inliers, s.NumMatched(frame));
+    EXPECT_LE(s.NumWrong(frame), 0.02 * frame.placement.inliers);
   }
 }
 
 TEST(Relocalizer, AnotherPlaceIsNotFound) {
   TrackingScene s(2, {});
   SyntheticScene elsewhere(3);
-  const SyntheticView view = elsewhere.Look(PoseAt({0, 0, 0}));
-  Frame frame;
-  frame.features = view.features;
-  frame.grid = view.grid;
-  frame.points.assign(frame.features.size(), PointId(1));
+  Frame frame = s.TrackedFrame(PoseAt({0, 0, 0}), 0);
+  s.SetFeatures(elsewhere.Look(PoseAt({0, 0, 0})).features, &frame);
+  ASSERT_GT(s.NumMatched(frame), 0);
   EXPECT_FALSE(Relocalize(s, 1, &frame));
   EXPECT_EQ(s.NumMatched(frame), 0) << "no match is left behind";
 }
@@ -48,12 +45,13 @@ TEST(Relocalizer, LookingLikeItIsNotEnough) {
   // The right descriptors, all over the place.
   TrackingScene s(4, {});
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 0);
-  for (Keypoint& k : frame.features.keypoints) {
+  Features features = frame.seen->features;
+  for (Keypoint& k : features.keypoints) {
     k.x_px = static_cast<float>(s.scene.Uniform(0, 639));
     k.y_px = static_cast<float>(s.scene.Uniform(0, 479));
   }
-  frame.grid = FeatureGrid(frame.features.keypoints, s.scene.bounds);
-  EXPECT_GT(MatchKeyframe(s.context(), KeyframeId(0), &frame), 100);
+  s.SetFeatures(features, &frame);
+  EXPECT_GT(MatchKeyframe(s.context(), KeyframeId(0), SE3(), &frame), 100);
   EXPECT_FALSE(Relocalize(s, 1, &frame));
   EXPECT_EQ(s.NumMatched(frame), 0);
 }
@@ -61,12 +59,14 @@ TEST(Relocalizer, LookingLikeItIsNotEnough) {
 /// Only `num` of the features that show points of the map can be recognised.
 void HideAllBut(int num, const TrackingScene& s, Frame* frame) {
   int kept = 0;
-  for (int f = 0; f < frame->features.size(); ++f) {
+  Features features = frame->seen->features;
+  for (int f = 0; f < features.size(); ++f) {
     const bool known = std::any_of(s.map.truth.begin(), s.map.truth.end(), [&](const auto& entry) {
       return entry.second == s.PointOf(*frame, f);
     });
-    if (known && ++kept > num) frame->features.descriptors[f] = Descriptor{};
+    if (known && ++kept > num) features.descriptors[f] = Descriptor{};
   }
+  s.SetFeatures(features, frame);
   ASSERT_GT(kept, num);
 }
 
@@ -94,11 +94,11 @@ TEST(Relocalizer, WhereItCannotHaveComeMoreIsAskedFor) {
   whereabouts.See(s.TrackedFrame(PoseAt({100, 0, 0}), 0));
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 1);
   HideAllBut(200, s, &frame);
-  frame.stamp_us = 1'000'000;
+  s.SetStamp(1'000'000, &frame);
   EXPECT_TRUE(Relocalize(s, 1, &frame)) << "one in six of about 1200 points";
   EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {}, whereabouts))
       << "a hundred units away a second ago";
-  frame.stamp_us = 60'000'000;
+  s.SetStamp(60'000'000, &frame);
   EXPECT_TRUE(Relocalize(s, 1, &frame, {}, {}, whereabouts)) << "a minute ago";
 }
 
@@ -130,8 +130,8 @@ TEST(Relocalizer, SameInputSameResult) {
     return frame;
   };
   const Frame a = run(), b = run();
-  EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
-  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.placement.cam_from_world.translation, b.placement.cam_from_world.translation);
+  EXPECT_EQ(a.placement.points(), b.placement.points());
 }
 
 }  // namespace

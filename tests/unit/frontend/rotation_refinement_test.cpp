@@ -195,21 +195,22 @@ TEST(RefineTranslation, FindsThePlaceWhenTheRotationIsRight) {
   for (const auto mode : {TranslationMode::kPaper, TranslationMode::kWeighted}) {
     TrackingScene s(1, {.noise_sigmas = 0});
     Frame frame = s.TrackedFrame(PoseAt({0.3, 0, 0}, {0.02, 0.03, 0}), 0);
-    const Eigen::Vector3d truth = frame.cam_from_world.translation;
+    const Eigen::Vector3d truth = frame.placement.cam_from_world.translation;
     std::mt19937_64 rng(1);
-    frame.cam_from_world.translation += Eigen::Vector3d(0.1, -0.1, 0.2);
-    const Eigen::Vector3d off = frame.cam_from_world.translation;
+    frame.placement.cam_from_world.translation += Eigen::Vector3d(0.1, -0.1, 0.2);
+    const Eigen::Vector3d off = frame.placement.cam_from_world.translation;
     RefineTranslation(s.context(), TranslationMode::kOff, 20, rng, &frame);
-    EXPECT_EQ(frame.cam_from_world.translation, off);
+    EXPECT_EQ(frame.placement.cam_from_world.translation, off);
     RefineTranslation(s.context(), mode, 100000, rng, &frame);
-    EXPECT_EQ(frame.cam_from_world.translation, off) << "too few points";
+    EXPECT_EQ(frame.placement.cam_from_world.translation, off) << "too few points";
     RefineTranslation(s.context(), mode, 20, rng, &frame);
     // Single precision of key points.
-    EXPECT_NEAR((frame.cam_from_world.translation - truth).norm(), 0, 1e-5);
-    frame.ForgetMatches();
-    frame.cam_from_world.translation = off;
+    EXPECT_NEAR((frame.placement.cam_from_world.translation - truth).norm(), 0, 1e-5);
+    SE3 pose = frame.placement.cam_from_world;
+    pose.translation = off;
+    frame.PlaceIn(frame.placement.map(), pose);
     RefineTranslation(s.context(), mode, 20, rng, &frame);
-    EXPECT_EQ(frame.cam_from_world.translation, off);
+    EXPECT_EQ(frame.placement.cam_from_world.translation, off);
   }
 }
 

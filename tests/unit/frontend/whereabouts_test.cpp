@@ -17,7 +17,7 @@ class WhereaboutsTest : public ::testing::Test {
     Whereabouts whereabouts;
     for (int i = -60; i <= 0; ++i) {
       Frame frame = s.TrackedFrame(PoseAt({speed * i / 30, 0, 0}), i);
-      frame.stamp_us = i * kSecond_us / 30;
+      s.SetStamp(i * kSecond_us / 30, &frame);
       whereabouts.See(frame);
     }
     return whereabouts;
@@ -60,8 +60,8 @@ TEST_F(WhereaboutsTest, OfAnotherMapNothingIsKnown) {
 TEST_F(WhereaboutsTest, AKeyframeThatIsNotInTheMapYetHidesNothing) {
   Whereabouts whereabouts = Moving(0);
   Frame frame = s.TrackedFrame(PoseAt({0, 0, 0}), 1);
-  frame.stamp_us = kSecond_us / 30;
-  frame.reference = KeyframeId(77);
+  s.SetStamp(kSecond_us / 30, &frame);
+  frame.placement.reference = KeyframeId(77);
   whereabouts.See(frame);
   EXPECT_FALSE(Allows(whereabouts, 1.05 * depth, kSecond_us));
   EXPECT_TRUE(Allows(whereabouts, 0.95 * depth, kSecond_us));
@@ -72,7 +72,7 @@ TEST_F(WhereaboutsTest, AReturnIsNoMotion) {
   whereabouts.Forget();
   EXPECT_TRUE(Allows(whereabouts, 1000 * depth, kSecond_us / 30));
   Frame frame = s.TrackedFrame(PoseAt({0, 0, 0}), 1);
-  frame.stamp_us = kSecond_us / 30;
+  s.SetStamp(kSecond_us / 30, &frame);
   whereabouts.See(frame);
   EXPECT_FALSE(Allows(whereabouts, 1.05 * depth, kSecond_us));
 }
