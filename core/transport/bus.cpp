@@ -4,11 +4,14 @@
 #include <cerrno>
 #include <condition_variable>
 #include <cstdlib>
+#include <exception>
+#include <functional>
 #include <list>
 #include <map>
 #include <mutex>
 #include <random>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -158,17 +161,24 @@ class Bus::Impl {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     std::unique_lock lock(event_mutex_);
     while (true) {
+      if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
       if (interrupted_) return false;
       // The predicate runs unlocked; what happens meanwhile shows in the number of events.
       const uint64_t seen = events_;
       lock.unlock();
       if (predicate()) return true;
       lock.lock();
-      if (!event_.wait_until(lock, deadline,
-                             [&] { return events_ != seen || interrupted_.load(); })) {
+      if (!event_.wait_until(lock, deadline, [&] {
+            return events_ != seen || interrupted_.load() || failure_ != nullptr;
+          })) {
         return false;
       }
     }
+  }
+
+  void ThrowFailure() {
+    const std::lock_guard lock(event_mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
   void Notify() {
@@ -211,10 +221,29 @@ class Bus::Impl {
           ++counters_.lost_on_purpose;
           continue;
         }
-        handler(bytes);
+        Guard([&] { handler(bytes); });
       }
     }
     Notify();
+  }
+
+  // Handlers run below LCM's C code, or below a thread's first function, which no exception may
+  // leave. The first one that is thrown is kept for the thread that waits.
+  void Guard(const std::function<void()>& handler) {
+    try {
+      handler();
+    } catch (...) {
+      Fail(std::current_exception());
+    }
+  }
+
+  void Fail(std::exception_ptr failure) {
+    {
+      const std::lock_guard lock(event_mutex_);
+      if (std::exchange(has_failed_, true)) return;
+      failure_ = std::move(failure);
+    }
+    event_.notify_all();
   }
 
   void StartReceiving() {
@@ -226,17 +255,23 @@ class Bus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) {
         if (errno == EINTR) continue;
+        Fail(std::make_exception_ptr(std::system_error(errno, std::generic_category(), "poll")));
         break;
       }
       if (fds[1].revents != 0) break;
-      if (fds[0].revents != 0 && lcm_handle(lcm_) != 0) break;  // a log ends so
+      if (fds[0].revents == 0 || lcm_handle(lcm_) == 0) continue;
+      if (!reads_log_) {  // which ends so
+        Fail(std::make_exception_ptr(std::runtime_error(
+            "LCM cannot receive from " + url_ + " any more; start this process again")));
+      }
+      break;
     }
   }
 
   void RunTimer() {
     std::unique_lock lock(timer_mutex_);
     while (!timer_wake_.wait_for(lock, kTick, [this] { return timer_stop_; })) {
-      for (const TimerHandler& handler : timers_) handler();
+      for (const TimerHandler& handler : timers_) Guard(handler);
     }
   }
 
@@ -257,6 +292,8 @@ class Bus::Impl {
   std::condition_variable event_;
   uint64_t events_ = 0;
   std::atomic<bool> interrupted_{false};
+  std::exception_ptr failure_;  // of a handler, until it was thrown on
+  bool has_failed_ = false;
 
   std::mutex timer_mutex_;  // held while timer handlers run
   std::condition_variable timer_wake_;
@@ -284,6 +321,7 @@ Bus::Registration Bus::OnTick(TimerHandler handler) { return impl_->OnTick(std::
 bool Bus::WaitFor(const std::function<bool()>& predicate, std::chrono::milliseconds timeout) {
   return impl_->WaitFor(predicate, timeout);
 }
+void Bus::ThrowFailure() { impl_->ThrowFailure(); }
 void Bus::Notify() { impl_->Notify(); }
 void Bus::Interrupt() { impl_->Interrupt(); }
 bool Bus::interrupted() const { return impl_->interrupted(); }

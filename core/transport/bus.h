@@ -1,7 +1,8 @@
 // A process's connection to the graph: one LCM instance, one receive thread, one timer thread.
 //
 // Handlers run on the receive thread and only put messages into queues; a worker sleeps in WaitFor
-// until what it needs is there, whichever inbox it comes from.
+// until what it needs is there, whichever inbox it comes from. An exception that a handler throws
+// ends neither thread: it is kept, and thrown on to the worker.
 #pragma once
 
 #include <atomic>
@@ -88,8 +89,11 @@ class Bus {
   [[nodiscard]] Registration OnTick(TimerHandler handler);
 
   /// Sleeps until `predicate()`, which is evaluated without any lock held, whenever something was
-  /// received or Notify was called. False after `timeout` or Interrupt.
+  /// received or Notify was called. False after `timeout` or Interrupt. Throws what a handler threw
+  /// (the first exception of all, once), or std::runtime_error if nothing can be received any more.
   bool WaitFor(const std::function<bool()>& predicate, std::chrono::milliseconds timeout);
+  /// Throws what WaitFor would throw; for a worker that waits no more.
+  void ThrowFailure();
   void Notify();
   /// Ends every WaitFor, now and in future: the process is to stop. Not for signal handlers.
   void Interrupt();

@@ -1,6 +1,8 @@
 #include "core/transport/bus.h"
 
+#include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 
@@ -110,6 +112,47 @@ TEST(Bus, TicksUntilItsRegistrationEnds) {
   const int then = ticks;
   std::this_thread::sleep_for(3 * Bus::kTick);
   EXPECT_EQ(ticks, then);
+}
+
+std::string ThrownBy(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Bus, WhatAHandlerThrowsReachesTheWaiter) {
+  Bus bus(Memory());
+  std::atomic<int> calls{0};
+  const auto sub = bus.Subscribe("A", [&](auto) {
+    ++calls;
+    throw std::runtime_error("first");
+  });
+  const auto after = bus.Subscribe("A", [](auto) { throw std::runtime_error("second"); });
+  std::thread publisher([&] {
+    std::this_thread::sleep_for(30ms);
+    bus.Publish("A", kBytes);
+  });
+  EXPECT_EQ(ThrownBy([&] { bus.WaitFor([] { return false; }, 20s); }), "first");
+  publisher.join();
+  // The thread goes on, and the one failure is told once: what comes after it may be its result.
+  bus.Publish("A", kBytes);
+  EXPECT_TRUE(bus.WaitFor([&] { return calls == 2; }, 5s));
+  EXPECT_NO_THROW(bus.ThrowFailure());
+}
+
+TEST(Bus, WhatATimerThrowsReachesTheWaiterOrWhoAsks) {
+  Bus bus(Memory());
+  std::atomic<int> ticks{0};
+  const auto timer = bus.OnTick([&] {
+    ++ticks;
+    throw std::runtime_error("out of time");
+  });
+  while (ticks < 2) std::this_thread::sleep_for(5ms);  // the thread outlives the first
+  EXPECT_EQ(ThrownBy([&] { bus.ThrowFailure(); }), "out of time");
+  EXPECT_FALSE(bus.WaitFor([] { return false; }, 10ms));
 }
 
 TEST(Bus, SessionsAreRandomUnlessGiven) {
