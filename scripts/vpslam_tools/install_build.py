@@ -131,9 +131,21 @@ def run_with_progress(command):
     a build that has nothing to do says nothing."""
     on_terminal = sys.stderr.isatty()
     width = shutil.get_terminal_size().columns - 1
-    pending_line = False
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                text=True, errors="replace")
+    try:
+        pending_line = show_steps(process, on_terminal, width)
+    except BaseException:
+        process.terminate()  # nobody waits for it any more
+        raise
+    if pending_line:
+        print(file=sys.stderr)
+    return process.wait()
+
+
+def show_steps(process, on_terminal, width):
+    """Returns whether the last line is still to be ended."""
+    pending_line = False
     for line in process.stdout:
         line = line.rstrip("\n")
         if re.search(r"Re-checking globbed|no work to do|^\[\s*100%\] Built target", line):
@@ -144,9 +156,7 @@ def run_with_progress(command):
         else:
             print(("\n" if pending_line else "") + line, file=sys.stderr, flush=True)
         pending_line = bool(is_step and on_terminal)
-    if pending_line:
-        print(file=sys.stderr)
-    return process.wait()
+    return pending_line
 
 
 def tell(text):

@@ -5,7 +5,9 @@ kernel loops multicast back to local members), and only a host without any route
 needs one. Instead of guessing from the routing table, one datagram is sent and awaited.
 """
 
+import ipaddress
 import os
+import re
 import shutil
 import socket
 import struct
@@ -31,6 +33,21 @@ def port(url):
     if network != "udpm":
         return url
     return address.partition("?")[0].partition(":")[2] or DEFAULT_PORT
+
+
+def check_url(url):
+    """A graph's processes have to reach each other over `url`."""
+    if not url.startswith("udpm://"):
+        raise UserError(f"--url {url}: reaches no other process; a graph needs udpm://, such as "
+                        f"udpm://{GROUP}:{DEFAULT_PORT}")
+    host = re.split(r"[:?/]", url[len("udpm://"):])[0]
+    try:
+        is_multicast = not host or ipaddress.IPv4Address(host).is_multicast
+    except ValueError:
+        is_multicast = False
+    if not is_multicast:
+        raise UserError(f"--url {url}: {host} is no multicast address; take one of 224.0.0.0 to "
+                        f"239.255.255.255, such as {GROUP}")
 
 
 def ensure_multicast():

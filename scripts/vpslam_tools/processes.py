@@ -15,17 +15,22 @@ from vpslam_tools import paths, presets, sources
 
 DETECTOR = "vpdetector"
 PR_SET_PDEATHSIG = 1
+STOP_SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 # What summary.json says of how a run was started.
 TOLD_OPTIONS = ["sequence", *sources.OPTIONS, "config", "set", "pace",
                 *presets.options(), "detectors", "start", "frames", "record"]
 
 
-def die_with_parent():
-    """For Popen's preexec_fn: the process is killed when the one that started it ends, however."""
+def die_with_parent(waits_for_signals=False):
+    """For Popen's preexec_fn: the process is killed when the one that started it ends, however.
+    `waits_for_signals`: it takes SIGINT, SIGTERM and SIGHUP up by itself (core/transport/process.cpp),
+    so that one which comes before it is that far is to wait, not to kill it."""
     parent = os.getpid()
     libc = ctypes.CDLL(None)
 
     def prepare():
+        if waits_for_signals:
+            signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
         libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:
             os._exit(1)  # it died before the line above
@@ -48,7 +53,7 @@ def command_lines(options, url, session, out):
     memory."""
     def given(*names):
         return [word for name in names if getattr(options, name) is not None
-                for word in (f"--{name}", str(getattr(options, name)))]
+                for word in ("--" + name.replace("_", "-"), str(getattr(options, name)))]
 
     # Each stream waits for those of its consumers that are named here.
     required = ["frontend", "backend", "recorder"] + [DETECTOR] * (options.detectors > 0)

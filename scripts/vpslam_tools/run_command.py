@@ -8,11 +8,13 @@ import os
 import pathlib
 import random
 import re
+import sys
 
 from vpslam_tools import install_build, multicast, presets, processes, registry, sources
 from vpslam_tools.errors import UserError
 from vpslam_tools.evaluate_command import evaluate_files
 from vpslam_tools.guardian import Guardian
+from vpslam_tools.hearing import Hearing
 from vpslam_tools.keyboard import Keyboard
 from vpslam_tools.progress import Progress
 from vpslam_tools.supervisor import Supervisor
@@ -83,11 +85,12 @@ def run(args):
 
 
 def run_graph(args):
+    if args.url:
+        multicast.check_url(args.url)
     install_build.prepare()
     registry.sweep()
     url = args.url or multicast.free_url()
-    if url.startswith("udpm"):
-        multicast.ensure_multicast()
+    multicast.ensure_multicast()
     refuse_port_in_use(url)
     out = pathlib.Path(args.out).resolve() if args.out else make_default_out(args.sequence)
     logs = out / "logs"
@@ -164,23 +167,32 @@ def make_default_out(sequence):
 
 
 def launch(run_record, commands, detectors, logs, progress, url):
-    registry.write(run_record)
-    guardian = Guardian(run_record["session"])
     order = list(commands)
+    hearing = Hearing(list(dict.fromkeys(pathlib.Path(command[0]).name
+                                         for command in commands.values())), url, progress.tell)
 
     def register(name, pid):
         run_record["processes"][name] = registry.identify(pid) or {"pid": pid, "start": 0}
         registry.write(run_record)
 
-    supervisor = Supervisor(order, progress.show, sharing=detectors, tell=progress.tell,
+    def on_output(line):
+        frames_come = progress.show(line)
+        hearing.look(line, frames_come)
+        return frames_come
+
+    # From here on a signal is counted by the supervisor, and raises no exception.
+    supervisor = Supervisor(order, on_output, sharing=detectors, tell=progress.tell,
                             restartable=[*detectors, "frontend"], on_restart=register)
+    registry.write(run_record)
+    guardian = Guardian(run_record["session"])
     try:
         for name in reversed(order):
+            if supervisor.interrupts:
+                return supervisor
             try:
                 pid = supervisor.start(name, commands[name], logs / f"{name}.log")
             except OSError as error:
-                raise UserError(f"{commands[name][0]}: cannot be started ({error.strerror}); "
-                                "build it with `scripts/vpslam build`") from None
+                raise cannot_be_started(commands[name][0], error) from None
             register(name, pid)
         with Keyboard(url, supervisor, progress):
             supervisor.run()
@@ -189,6 +201,14 @@ def launch(run_record, commands, detectors, logs, progress, url):
         registry.clean_up(run_record)
         guardian.dismiss()
     return supervisor
+
+
+def cannot_be_started(program, error):
+    if error.filename and pathlib.Path(error.filename).name != pathlib.Path(program).name:
+        return UserError(f"{error.filename}: cannot be written ({error.strerror}); name another "
+                         "folder with --out")
+    return UserError(f"{program}: cannot be started ({error.strerror}); build it with "
+                     "`scripts/vpslam build`")
 
 
 def conclude(supervisor, args, out, progress):
@@ -201,7 +221,7 @@ def conclude(supervisor, args, out, progress):
     path = out / "summary.json"
     summary = json.loads(path.read_text()) if path.exists() else {"frames": {"in": 0}}
     if supervisor.interrupts and path.exists():
-        path.write_text(json.dumps(dict(summary, interrupted=True), indent=2) + "\n")
+        note_interruption(path, summary)
     frames = summary["frames"]
     if frames["in"] > 0:
         progress.tell(describe_results(out, frames))
@@ -209,7 +229,21 @@ def conclude(supervisor, args, out, progress):
         progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
     if supervisor.faults:
         return 1
-    return INTERRUPTED if supervisor.interrupts >= 2 else 0
+    # A first Ctrl-C ends a run in order, and leaves results; unless there was nothing yet.
+    in_order = supervisor.interrupts == 0 or supervisor.interrupts == 1 and frames["in"] > 0
+    return 0 if in_order else INTERRUPTED
+
+
+def note_interruption(path, summary):
+    """Not in place: the disk may be full, and what is there is worth more than the note."""
+    new = path.with_name(".summary.json.new")
+    try:
+        new.write_text(json.dumps(dict(summary, interrupted=True), indent=2) + "\n")
+        new.replace(path)
+    except OSError as error:
+        new.unlink(missing_ok=True)
+        print(f"vpslam run: {path}: cannot note the interruption ({error.strerror})",
+              file=sys.stderr)
 
 
 def describe_results(out, frames):

@@ -19,6 +19,7 @@ from vpslam_tools.restarts import LIMIT, Restarts
 
 DRAIN_S = 120.0      # from the player's end to the last process's
 INTERRUPT_S = 30.0   # from Ctrl-C to the player's end
+NOTHING_YET_S = 1.5  # from Ctrl-C to the end of a run in which no frame came through
 CASCADE_S = 20.0     # from the end of a player that failed to the last process's
 OUT_OF_TURN_S = 5.0  # a process that ended, before the one upstream of it
 TERMINATE_S = 5.0    # from SIGTERM to SIGKILL
@@ -35,7 +36,7 @@ class Child:
             self.popen = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stderr=log,
                 stdout=subprocess.PIPE if pipe_output else log,
-                start_new_session=True, preexec_fn=die_with_parent())
+                start_new_session=True, preexec_fn=die_with_parent(waits_for_signals=True))
 
     def is_running(self):
         """Also notes the time of the end when it is first seen."""
@@ -81,7 +82,7 @@ class Supervisor:
         self.faults = {}  # name of the process: what is wrong with it
         self._lost = set()  # of those in `sharing`
         self._told = set()  # crashes, by their time
-        self._frames_come = False
+        self.frames_come = False
         self._selector = selectors.DefaultSelector()
         self._unfinished_line = b""
         self._wakeup, writing = os.pipe()
@@ -116,13 +117,19 @@ class Supervisor:
         self._selector.unregister(stream)
 
     def run(self):
-        """Returns when no process is left; `faults` and `interrupts` say how it went."""
+        """Returns when no process is left; `faults`, `interrupts` and `frames_come` say how it
+        went."""
         player = self.children[self.order[0]]
-        told, deadline = False, None
+        told_at = None
         while self._needed() and not self._find_faults() and self.interrupts < 2:
-            if self.interrupts == 1 and not told:
-                told, deadline = True, time.monotonic() + INTERRUPT_S
-                player.signal(signal.SIGINT)
+            deadline = None
+            if self.interrupts == 1:
+                if told_at is None:
+                    told_at = time.monotonic()
+                    player.signal(signal.SIGINT)
+                deadline = told_at + INTERRUPT_S
+                if not self.frames_come and time.monotonic() > told_at + NOTHING_YET_S:
+                    break  # there is nothing to wait for
             if not player.is_running():
                 deadline = player.ended_at + DRAIN_S
             if deadline is not None and time.monotonic() > deadline:
@@ -132,7 +139,7 @@ class Supervisor:
             self._wait(self._restarts.wait_s(TICK_S))
         if not self._needed():
             self._find_faults()  # all may have ended since the last look
-        if self._frames_come and (player.popen.returncode or 0) > 0:
+        if self.frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S
             while self._needed() and time.monotonic() < deadline and self.interrupts < 2:
@@ -243,4 +250,4 @@ class Supervisor:
         lines = (self._unfinished_line + data).split(b"\n")
         self._unfinished_line = lines.pop()
         for line in lines:
-            self._frames_come |= self.on_output(line.decode(errors="replace"))
+            self.frames_come |= self.on_output(line.decode(errors="replace"))

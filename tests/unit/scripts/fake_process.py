@@ -4,7 +4,8 @@
 Each waits for a file that the one upstream leaves in its working directory when it ends. The
 environment variable FAKE_<NAME> makes one misbehave: "fail" (after it printed a line), "hang"
 (ignores SIGTERM and never ends), "early" (ends well, before its turn), "break" (player: ends its
-stream, but fails), "crash" (is killed by a signal as soon as it has begun).
+stream, but fails), "crash" (is killed by a signal as soon as it has begun), "deaf" (recorder:
+nothing comes to it).
 """
 
 import os
@@ -26,11 +27,12 @@ def option(flag):
 stopped = []
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda *_: stopped.append(1))
+signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+if NAME == "player":
+    pathlib.Path(f"/dev/shm/vpslam-{option('--session')}").write_text("pixels")
 print(f"fake {NAME} begins", file=sys.stderr, flush=True)
 pathlib.Path(NAME + ".began").touch()
 
-if NAME == "player":
-    pathlib.Path(f"/dev/shm/vpslam-{option('--session')}").write_text("pixels")
 if MISBEHAVIOUR == "fail":
     # Not before the recorder can be told to end, however slowly that starts.
     patience = time.monotonic() + 20
@@ -50,7 +52,9 @@ while MISBEHAVIOUR == "hang" or not stopped:
         break
     if UPSTREAM and os.path.exists(UPSTREAM + ".done") and MISBEHAVIOUR != "hang":
         break
-    if NAME == "recorder":
+    if NAME == "recorder" and MISBEHAVIOUR == "deaf":
+        print('{"frame": -1, "processes": {}}', flush=True)
+    elif NAME == "recorder":
         print('{"frame": %d, "fps": 29.5, "state": "tracking", "keyframes": 4, "points": 321, '
               '"dropped": 0, "processes": {}, "messages": {"player": "the lens is dirty"}}' % frame,
               flush=True)
@@ -60,7 +64,7 @@ while MISBEHAVIOUR == "hang" or not stopped:
 if NAME == "player":
     shutil.copy(os.path.join(sys.argv[1], "groundtruth.txt"), option("--truth"))
     os.unlink(f"/dev/shm/vpslam-{option('--session')}")
-if NAME == "recorder":
+if NAME == "recorder" and MISBEHAVIOUR != "deaf":
     print(f"ends {'when stopped' if stopped else 'by itself'}", file=sys.stderr)
     out = pathlib.Path(option("--out"))
     (out / "trajectory.txt").write_text("0.0 0 0 0 0 0 0 1\n0.1 2 0 0 0 0 0 1\n0.2 2 2 0 0 0 0 1\n")

@@ -172,6 +172,48 @@ class Interrupted(LauncherTest):
         self.assertTrue((self.folder / "out" / "summary.json").exists())
         self.assert_nothing_left()
 
+    def test_ctrl_c_at_any_time_of_the_start(self):
+        """By the command itself: Python, its imports and the launcher each have a word in it."""
+        for step in range(1, 25):
+            delay_s = 0.02 * step
+            with self.subTest(delay_s):
+                out = self.folder / f"after_{step}"
+                self.sessions.append(random.SystemRandom().randrange(1, 1 << 62))
+                process = subprocess.Popen(
+                    [SOURCE / "scripts" / "vpslam", "run", "room", "--out", out, "--session",
+                     str(self.sessions[-1])], cwd=self.folder, text=True, stdin=subprocess.DEVNULL,
+                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                    env=dict(os.environ, VPSLAM_BIN_DIR=str(self.folder / "bin"), TAG=self.tag,
+                             XDG_RUNTIME_DIR=str(self.folder / "runtime"), FAKE_SECONDS="300"))
+                time.sleep(delay_s)
+                process.send_signal(signal.SIGINT)
+                status, output = self.finish(process)
+                self.assertNotIn("Traceback", output)
+                self.assertNotIn("SIGINT", output)
+                results = (out / "summary.json").exists()
+                self.assertEqual(status, 0 if results else 130, output)
+                self.assert_nothing_left()
+                for done in [*self.folder.glob("*.done"), *self.folder.glob("*.began")]:
+                    done.unlink()
+
+    def test_where_nobody_hears_anybody_ctrl_c_ends_at_once(self):
+        process = self.start("run", "room", "--out", "out", FAKE_SECONDS="300",
+                             FAKE_PLAYER="hang", FAKE_RECORDER="deaf",
+                             patch="supervisor.TERMINATE_S = 0.5; "
+                             "from vpslam_tools import hearing; hearing.PATIENCE_S = 0.2")
+        self.wait_until_running()
+        line = process.stdout.readline()
+        while line and "hears nothing of" not in line:
+            line = process.stdout.readline()
+        self.assertIn("hears nothing of player, vpdetector, frontend, backend on udpm://", line)
+        begin = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        status, output = self.finish(process)
+        self.assertEqual(status, 130, output)
+        self.assertLess(time.monotonic() - begin, 10)
+        self.assertIn("no frame came through", output)
+        self.assert_nothing_left()
+
     def test_second_ctrl_c_ends_at_once(self):
         process = self.start("run", "room", "--out", "out", FAKE_PLAYER="hang",
                              patch="supervisor.TERMINATE_S = 0.5")
