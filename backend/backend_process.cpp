@@ -40,7 +40,7 @@ BackendProcess::BackendProcess(Bus& bus, Peers& peers, StatusReporter& status,
 
 void BackendProcess::Run() {
   status_.SetState(ProcessState::kReady);
-  const std::optional<Camera> camera = camera_.Wait();
+  const std::optional<Camera> camera = camera_.Wait(peers_);
   if (!camera) return;
   mapper_ = make_mapper_(*camera);
   status_.SetState(ProcessState::kRunning);

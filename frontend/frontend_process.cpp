@@ -88,7 +88,7 @@ FrontendProcess::FrontendProcess(Bus& bus, Peers& peers, StatusReporter& status,
 void FrontendProcess::Run() {
   try {
     status_.SetState(ProcessState::kReady);
-    const std::optional<Camera> camera = camera_.Wait();
+    const std::optional<Camera> camera = camera_.Wait(peers_);
     UnlessInterrupted(camera.has_value());
     tracker_ = &make_tracker_(*camera);
     preview_ = std::make_unique<PreviewPublisher>(bus_, *camera, always_preview_);
@@ -211,7 +211,7 @@ void FrontendProcess::WaitUntilMapFollows(bool is_start) {
 void FrontendProcess::CatchUp() {
   // A backend that is needed is waited for, since only it can tell whether there is a map already.
   const std::vector<std::string> missing = RequiredConsumers(kKeyframeConsumers, required_);
-  UnlessInterrupted(bus_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, kForever));
+  UnlessInterrupted(peers_.WaitFor([&] { return peers_.NotReady(missing).empty(); }, missing));
   const auto backend = peers_.Get(kBackend);
   if (!backend || backend->processed == 0) return;
   spdlog::info("there is a map already; asking for it");
@@ -243,8 +243,10 @@ void FrontendProcess::TakeWhatCame() {
 
 void FrontendProcess::TakeDeltasUntil(const std::function<bool()>& enough) {
   for (const auto& part : std::exchange(parts_, {})) TakeUp(part);
+  UnheardNotice notice;
   while (!enough()) {
     AskForSnapshot();
+    notice.Look(bus_, peers_, {kBackend});
     if (!bus_.WaitFor([this] { return deltas_.HasMessage(); }, kRequestPeriod)) {
       UnlessInterrupted(!bus_.interrupted());
       CheckBackend();

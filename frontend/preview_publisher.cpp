@@ -1,8 +1,10 @@
 #include "frontend/preview_publisher.h"
 
+#include <exception>
 #include <string>
 #include <utility>
 
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 #include "core/messages/command.h"
@@ -58,8 +60,12 @@ void PreviewPublisher::Run() {
     if (stop_) return;
     const PreviewScene scene = *std::exchange(scene_, std::nullopt);
     lock.unlock();
-    const std::vector<uint8_t> jpeg = CompressToFit(painter_.Paint(scene), Preview::kMaxBytes);
-    if (!jpeg.empty()) publisher_.Publish({scene.frame_seq, scene.stamp_us, jpeg});
+    try {
+      const std::vector<uint8_t> jpeg = CompressToFit(painter_.Paint(scene), Preview::kMaxBytes);
+      if (!jpeg.empty()) publisher_.Publish({scene.frame_seq, scene.stamp_us, jpeg});
+    } catch (const std::exception& e) {
+      spdlog::warn("frame {} gets no preview: {}", scene.frame_seq, e.what());
+    }
     lock.lock();
   }
 }

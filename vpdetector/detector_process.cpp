@@ -51,7 +51,7 @@ DetectorProcess::DetectorProcess(Bus& bus, Peers& peers, StatusReporter& status,
 
 void DetectorProcess::Run() {
   status_.SetState(ProcessState::kReady);
-  const std::optional<Camera> camera = camera_.Wait();
+  const std::optional<Camera> camera = camera_.Wait(peers_);
   if (!camera) return;
   const Detector detector(*camera, options_);
   status_.SetState(ProcessState::kRunning);

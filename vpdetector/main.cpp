@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   app.footer("vpdetector --image FILE... --camera FILE [--draw DIR] does so for image files.");
   ProcessOptions options;
   options.name = DetectorProcess::kName;
+  options.may_be_several = true;
   AddProcessOptions(app, &options);
   DetectorArguments arguments;
   arguments.AddTo(app);

@@ -16,8 +16,10 @@
 #include <utility>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
@@ -35,6 +37,17 @@ int64_t RandomSession() {
 }
 
 // Fills in what keeps a local graph local and its bursts from being lost.
+/// The host of udpm://HOST:PORT?...; empty for LCM's default.
+std::string HostOf(const std::string& url) {
+  const std::size_t begin = std::string("udpm://").size();
+  return url.substr(begin, url.find_first_of(":?/", begin) - begin);
+}
+
+bool IsMulticast(const std::string& host) {
+  in_addr address{};
+  return inet_aton(host.c_str(), &address) != 0 && IN_MULTICAST(ntohl(address.s_addr));
+}
+
 std::string CompleteUrl(const BusOptions& options) {
   std::string url = options.url;
   if (!StartsWith(url, "udpm://")) return url;
@@ -64,6 +77,14 @@ BusOptions BusOptions::WithEnvironment() const {
 std::optional<std::string> BusOptions::Validate() const {
   if (!StartsWith(url, "udpm://") && !StartsWith(url, "memq://") && !StartsWith(url, "file://")) {
     return "url '" + url + "' starts with none of udpm://, memq:// and file://";
+  }
+  if (StartsWith(url, "udpm://")) {
+    const std::string host = HostOf(url);
+    if (!host.empty() && !IsMulticast(host)) {
+      return "url '" + url + "': " + host +
+             " is no multicast address; take one of 224.0.0.0 to 239.255.255.255, such as "
+             "239.255.76.67";
+    }
   }
   if (receive_buffer <= 0) return "the receive buffer must have a size > 0";
   if (!(drop_share >= 0 && drop_share < 1))
@@ -134,7 +155,8 @@ class Bus::Impl {
       entry->impl = this;
       lcm_subscription_t* subscription =
           lcm_subscribe(lcm_, channel.c_str(), &Impl::OnMessage, entry);
-      if (!subscription) throw std::runtime_error("LCM cannot subscribe to " + channel);
+      if (!subscription)
+        throw std::runtime_error("LCM cannot subscribe to " + channel + " on " + url_);
       // Our own queues decide what to drop, and count it.
       lcm_subscription_set_queue_capacity(subscription, 0);
     }
@@ -261,8 +283,8 @@ class Bus::Impl {
       if (fds[1].revents != 0) break;
       if (fds[0].revents == 0 || lcm_handle(lcm_) == 0) continue;
       if (!reads_log_) {  // which ends so
-        Fail(std::make_exception_ptr(std::runtime_error(
-            "LCM cannot receive from " + url_ + " any more; start this process again")));
+        Fail(std::make_exception_ptr(std::runtime_error("LCM cannot receive from " + url_ +
+                                                        " any more; start this process again")));
       }
       break;
     }

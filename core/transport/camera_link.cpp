@@ -1,9 +1,13 @@
 #include "core/transport/camera_link.h"
 
+#include <spdlog/spdlog.h>
+
 #include "core/transport/channels.h"
+#include "core/transport/stream_writer.h"
 
 namespace vpslam {
 namespace {
+constexpr const char* kPlayer = "player";
 constexpr std::chrono::milliseconds kPeriod{1000};
 constexpr std::size_t kCommandCapacity = 16;
 }  // namespace
@@ -39,11 +43,18 @@ std::optional<Camera> CameraReceiver::TryTake() {
   return message->value;
 }
 
-std::optional<Camera> CameraReceiver::Wait() {
+std::optional<Camera> CameraReceiver::Wait(const Peers& peers) {
+  UnheardNotice notice;
   while (!bus_.interrupted()) {
     if (auto camera = TryTake()) return camera;
-    commands_.Publish({"player", CommandAction::kSendCamera});
-    bus_.WaitFor([this] { return cameras_.HasMessage(); }, kPeriod);
+    if (const auto why = peers.WhyGone(kPlayer)) {
+      if (peers.Get(kPlayer)->state != ProcessState::kFinished) throw PeerGoneError(*why);
+      spdlog::info("{}, and played nothing", *why);
+      return std::nullopt;
+    }
+    notice.Look(bus_, peers, {kPlayer});
+    commands_.Publish({kPlayer, CommandAction::kSendCamera});
+    bus_.WaitFor([&] { return cameras_.HasMessage() || peers.WhyGone(kPlayer); }, kPeriod);
   }
   return std::nullopt;
 }

@@ -34,8 +34,9 @@ class CameraReceiver {
  public:
   explicit CameraReceiver(Bus& bus);
 
-  /// Waits for the camera and asks for it once a second. nullopt if interrupted.
-  std::optional<Camera> Wait();
+  /// Waits for the camera and asks for it once a second. nullopt if interrupted, or if the player
+  /// ended without having played anything; throws PeerGoneError if it failed or fell silent.
+  std::optional<Camera> Wait(const Peers& peers);
   /// The camera, if it came already.
   std::optional<Camera> TryTake();
 

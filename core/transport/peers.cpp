@@ -1,8 +1,10 @@
 #include "core/transport/peers.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "core/transport/channels.h"
@@ -10,6 +12,13 @@
 #include "core/transport/stream_writer.h"
 
 namespace vpslam {
+namespace {
+
+bool IsAtWork(const ProcessStatus& status) {
+  return status.state == ProcessState::kReady || status.state == ProcessState::kRunning;
+}
+
+}  // namespace
 
 Peers::Peers(Bus& bus, std::chrono::milliseconds silence) : bus_(bus), silence_(silence) {
   registration_ =
@@ -24,12 +33,13 @@ void Peers::Receive(std::span<const uint8_t> bytes) {
     return;
   }
   ProcessStatus& status = message->value;
-  const std::lock_guard lock(mutex_);
+  const int64_t session = message->header.session;
+  std::unique_lock lock(mutex_);
   std::deque<Instance>& instances = peers_[status.process];
-  const auto known = std::find_if(instances.begin(), instances.end(), [&](const Instance& i) {
-    return i.session == message->header.session;
-  });
-  if (known != instances.end()) {
+  const auto known = std::find_if(instances.begin(), instances.end(),
+                                  [&](const Instance& i) { return i.session == session; });
+  const bool is_new = known == instances.end();
+  if (!is_new) {
     instances.erase(known);
   } else if (status.protocol_version != kProtocolVersion) {
     spdlog::error(
@@ -37,28 +47,53 @@ void Peers::Receive(std::span<const uint8_t> bytes) {
         "one source",
         status.process, status.pid, status.protocol_version, kProtocolVersion);
   }
-  instances.push_back({std::move(status), message->header.session, Clock::now()});
+  instances.push_back({status, session, Clock::now()});
   if (instances.size() > kMaxInstances) instances.pop_front();
+  if (!is_new || !on_new_) return;
+  const OnNew on_new = on_new_;
+  lock.unlock();  // it may ask this object
+  on_new(status, session);
+}
+
+void Peers::OnNewInstance(OnNew on_new) {
+  std::vector<Instance> known;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, instances] : peers_) {
+      known.insert(known.end(), instances.begin(), instances.end());
+    }
+    on_new_ = on_new;
+  }
+  for (const Instance& instance : known) on_new(instance.status, instance.session);
+}
+
+const Peers::Instance* Peers::FindLocked(const std::string& process) const {
+  const auto found = peers_.find(process);
+  if (found == peers_.end()) return nullptr;
+  const std::deque<Instance>& instances = found->second;
+  for (const bool at_work : {true, false}) {
+    const auto last = std::find_if(instances.rbegin(), instances.rend(), [&](const Instance& i) {
+      return at_work ? IsAtWork(i.status) : i.status.state == ProcessState::kStarting;
+    });
+    if (last != instances.rend()) return &*last;
+  }
+  return &instances.back();
 }
 
 std::optional<ProcessStatus> Peers::Get(const std::string& process) const {
   const std::lock_guard lock(mutex_);
-  const auto found = peers_.find(process);
-  if (found == peers_.end()) return std::nullopt;
-  return found->second.back().status;
+  const Instance* instance = FindLocked(process);
+  return instance ? std::optional(instance->status) : std::nullopt;
 }
 
 std::optional<int64_t> Peers::Session(const std::string& process) const {
   const std::lock_guard lock(mutex_);
-  const auto found = peers_.find(process);
-  if (found == peers_.end()) return std::nullopt;
-  return found->second.back().session;
+  const Instance* instance = FindLocked(process);
+  return instance ? std::optional(instance->session) : std::nullopt;
 }
 
 std::vector<std::string> Peers::NotReady(const std::vector<std::string>& processes) const {
-  const auto is_ready = [](const Instance& i) {
-    return i.status.state == ProcessState::kReady || i.status.state == ProcessState::kRunning;
-  };
+  const auto is_ready = [](const Instance& i) { return IsAtWork(i.status); };
   const std::lock_guard lock(mutex_);
   std::vector<std::string> missing;
   for (const std::string& process : processes) {
@@ -104,16 +139,48 @@ std::optional<std::string> Peers::WhyGone(const std::string& process,
   return std::nullopt;
 }
 
+std::vector<std::string> Peers::NeverHeard(const std::vector<std::string>& processes) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> unheard;
+  for (const std::string& process : processes) {
+    if (!peers_.contains(process)) unheard.push_back(process);
+  }
+  return unheard;
+}
+
+std::optional<std::string> Peers::WhyGoneOrNeverComing(const std::string& process) const {
+  if (NeverHeard({process}).empty()) return WhyGone(process);
+  const auto why = WhyGone("player");  // with it the run is over
+  if (!why) return std::nullopt;
+  return fmt::format("{}, and nothing was ever heard of {}", *why, process);
+}
+
 bool Peers::WaitFor(const std::function<bool()>& predicate,
                     const std::vector<std::string>& processes) {
   constexpr std::chrono::milliseconds kLookAround{500};
+  UnheardNotice notice;
   while (!bus_.WaitFor(predicate, kLookAround)) {
     if (bus_.interrupted()) return false;
+    notice.Look(bus_, *this, processes);
     for (const std::string& process : processes) {
-      if (const auto why = WhyGone(process); why && !predicate()) throw PeerGoneError(*why);
+      if (const auto why = WhyGoneOrNeverComing(process); why && !predicate()) {
+        throw PeerGoneError(*why);
+      }
     }
   }
   return true;
+}
+
+void UnheardNotice::Look(const Bus& bus, const Peers& peers,
+                         const std::vector<std::string>& processes) {
+  const auto waited = Peers::Clock::now() - start_;
+  if (waited < next_) return;
+  next_ *= 2;
+  const std::vector<std::string> unheard = peers.NeverHeard(processes);
+  if (unheard.empty()) return;
+  spdlog::warn("nothing heard of {} for {} s; start it with --url '{}', on this host",
+               fmt::join(unheard, ", "),
+               std::chrono::duration_cast<std::chrono::seconds>(waited).count(), bus.url());
 }
 
 }  // namespace vpslam

@@ -1,8 +1,11 @@
 #include "core/transport/process.h"
 
 #include <atomic>
-#include <ctime>
+#include <chrono>
+#include <csignal>
+#include <cstring>
 #include <exception>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -20,6 +23,11 @@ namespace vpslam {
 namespace {
 
 BusOptions MakeBusOptions(const ProcessOptions& options) {
+  if (!options.url.starts_with("udpm://")) {
+    throw std::runtime_error("--url " + options.url +
+                             ": reaches no other process; a graph needs udpm://, such as " +
+                             BusOptions().url);
+  }
   BusOptions bus;
   bus.url = options.url;
   bus.session = options.session;
@@ -38,6 +46,11 @@ sigset_t StopSignals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  // nohup has it ignored, and a blocked signal is not: it would end the process all the same.
+  struct sigaction hangup {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) {
+    sigaddset(&signals, SIGHUP);
+  }
   return signals;
 }
 
@@ -50,7 +63,7 @@ class SignalThread {
           const sigset_t signals = StopSignals();
           int signal = 0;
           while (sigwait(&signals, &signal) == 0 && !stop_) {
-            spdlog::info("stopping ({})", signal == SIGINT ? "SIGINT" : "SIGTERM");
+            spdlog::info("stopping (SIG{})", sigabbrev_np(signal));
             handler();
           }
         }) {}
@@ -113,7 +126,42 @@ Process::Process(const ProcessOptions& process_options)
     : options(process_options),
       bus(MakeBusOptions(process_options)),
       peers(bus),
-      status(bus, process_options.name) {}
+      status(bus, process_options.name) {
+  peers.OnNewInstance([this](const ProcessStatus& other, int64_t session) {
+    if (session == bus.session()) return;
+    status.PublishNow();  // whoever comes learns at once who is there
+    if (other.process == options.name && !options.may_be_several) RefuseForerunner(other, session);
+  });
+}
+
+void Process::RefuseForerunner(const ProcessStatus& other, int64_t other_session) const {
+  // The one that was here first goes on: it hears of a newcomer when that starts. Of two that
+  // start at a time one has to give way.
+  constexpr std::chrono::seconds kNewcomer{3};
+  const bool is_new = Peers::Clock::now() - started_ < kNewcomer;
+  const bool is_earlier =
+      other.state == ProcessState::kRunning ||
+      (other.state == ProcessState::kReady &&
+       (status.Snapshot().state == ProcessState::kStarting || other_session < bus.session()));
+  if (!is_new || !is_earlier) return;
+  throw std::runtime_error(
+      fmt::format("another {} (pid {}) is at work on {}; end it, or give this graph a port of its "
+                  "own with --url",
+                  options.name, other.pid, bus.url()));
+}
+
+void Process::CheckGraph() {
+  constexpr std::chrono::seconds kSelfTest{3};
+  constexpr std::chrono::milliseconds kForAnswers{50};
+  const auto hears_itself = [this] { return peers.NeverHeard({options.name}).empty(); };
+  if (!bus.WaitFor(hears_itself, kSelfTest) && !bus.interrupted()) {
+    throw std::runtime_error(
+        fmt::format("what is sent to {} does not come back; does a firewall drop UDP to "
+                    "224.0.0.0/4, or has the route for multicast gone?",
+                    bus.url()));
+  }
+  if (!options.may_be_several) bus.WaitFor([] { return false; }, kForAnswers);
+}
 
 void Process::OnStopSignal(std::function<void()> handler) {
   const std::lock_guard lock(mutex_);
@@ -141,10 +189,15 @@ int RunProcess(CLI::App& app, int argc, char** argv, ProcessOptions* options,
   try {
     const sigset_t signals = StopSignals();
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // inherited by all threads
+    // A disk quota and a reader that went away are errors of a write, which say more.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
     Process process(*options);
     const SignalThread signal_thread([&process] { process.HandleStopSignal(); });
     try {
+      process.CheckGraph();
       const int code = body(process);
+      process.bus.ThrowFailure();
       process.status.SetState(code == kExitOk ? ProcessState::kFinished : ProcessState::kFailed);
       return code;
     } catch (const std::exception& e) {

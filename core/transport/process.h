@@ -31,6 +31,7 @@ struct ProcessOptions {
   std::vector<std::string> required;
   Pace pace = Pace::kLockstep;
   std::string record = "none";  ///< what the recorder keeps besides results: its log
+  bool may_be_several = false;  ///< instances of this process in one graph
 
   bool IsRecorded() const { return record != "none"; }
 };
@@ -53,18 +54,27 @@ struct Process {
   Peers peers;
   StatusReporter status;
 
-  /// What SIGINT and SIGTERM do; by default they interrupt the bus. The second signal always does.
+  /// Sees that messages come back to this process, and that no other instance of it, unless there
+  /// may be several, has the graph already. Throws std::runtime_error with one line.
+  void CheckGraph();
+
+  /// What SIGINT, SIGTERM and SIGHUP do (the last not where it was ignored at the start, as by
+  /// nohup); by default they interrupt the bus. The second signal always does.
   void OnStopSignal(std::function<void()> handler);
   void HandleStopSignal();
 
  private:
+  void RefuseForerunner(const ProcessStatus& other, int64_t other_session) const;
+
+  const Peers::Clock::time_point started_ = Peers::Clock::now();
   std::mutex mutex_;
   std::function<void()> stop_handler_;
   int signals_ = 0;
 };
 
 /// Parses the command line, sets up log, signals and bus, and runs `body`. An exception becomes one
-/// line in the log, STATUS kFailed and kExitFailed. To be called before any thread is started.
+/// line in the log, STATUS kFailed and kExitFailed, also one of a bus handler or timer. To be
+/// called before any thread is started.
 int RunProcess(CLI::App& app, int argc, char** argv, ProcessOptions* options,
                const std::function<int(Process&)>& body);
 

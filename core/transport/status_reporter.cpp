@@ -65,6 +65,11 @@ void StatusReporter::SetState(ProcessState state, const std::string& message) {
   PublishLocked();
 }
 
+void StatusReporter::PublishNow() {
+  const std::lock_guard lock(mutex_);
+  PublishLocked();
+}
+
 void StatusReporter::AddProcessed(int64_t count) {
   const std::lock_guard lock(mutex_);
   status_.processed += count;

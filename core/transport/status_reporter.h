@@ -20,6 +20,8 @@ class StatusReporter {
   ~StatusReporter();
 
   void SetState(ProcessState state, const std::string& message = "");
+  /// Out of turn: somebody has come who does not know it yet.
+  void PublishNow();
   void AddProcessed(int64_t count = 1);
   void SetQueued(int64_t count);
   /// `count` is asked whenever the status is told, instead, as long as the registration lives.

@@ -168,6 +168,15 @@ TEST(Bus, RefusesNonsense) {
   BusOptions options;
   options.url = "http://localhost";
   EXPECT_THROW(Bus bus(options), std::runtime_error);
+  for (const char* url : {"udpm://127.0.0.1:7667", "udpm://10.0.0.1:7667?ttl=0", "udpm://here:1"}) {
+    options.url = url;
+    ASSERT_TRUE(options.Validate()) << url;
+    EXPECT_THAT(*options.Validate(), HasSubstr("no multicast address")) << url;
+  }
+  for (const char* url : {"udpm://", "udpm://:7668", "udpm://239.255.76.67:7667?ttl=0"}) {
+    options.url = url;
+    EXPECT_EQ(options.Validate(), std::nullopt) << url;
+  }
   options = Memory();
   options.drop_share = 1.5;
   EXPECT_THROW(Bus bus(options), std::runtime_error);

@@ -1,4 +1,6 @@
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -119,9 +121,10 @@ TEST(CameraLink, ALateProcessGetsTheCamera) {
   const Camera camera = RandomMessages(1).Make<Camera>();
   CameraBeacon beacon(bus, camera);
   std::this_thread::sleep_for(50ms);
+  const Peers peers(bus);
   CameraReceiver late(bus);
   const auto start = std::chrono::steady_clock::now();
-  const auto received = late.Wait();
+  const auto received = late.Wait(peers);
   ASSERT_TRUE(received);
   EXPECT_EQ(received->fx, camera.fx);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 500ms) << "asked, not waited for the beacon";
@@ -129,9 +132,65 @@ TEST(CameraLink, ALateProcessGetsTheCamera) {
 
 TEST(CameraLink, WaitingEndsWithAnInterrupt) {
   Bus bus(Memory());
+  const Peers peers(bus);
   CameraReceiver receiver(bus);
   bus.Interrupt();
-  EXPECT_FALSE(receiver.Wait());
+  EXPECT_FALSE(receiver.Wait(peers));
+}
+
+TEST(CameraLink, APlayerThatFailedIsNotWaitedFor) {
+  Bus bus(Memory());
+  const Peers peers(bus);
+  CameraReceiver receiver(bus);
+  StatusReporter player(bus, "player");
+  std::thread failing([&] {
+    std::this_thread::sleep_for(50ms);
+    player.SetState(ProcessState::kFailed, "no such folder");
+  });
+  try {
+    receiver.Wait(peers);
+    ADD_FAILURE() << "there is no camera";
+  } catch (const PeerGoneError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("no such folder"));
+  }
+  failing.join();
+  player.SetState(ProcessState::kFinished);
+  ASSERT_TRUE(
+      bus.WaitFor([&] { return peers.Get("player")->state == ProcessState::kFinished; }, 2s));
+  EXPECT_FALSE(receiver.Wait(peers)) << "it was stopped before it played";
+}
+
+TEST(Peers, AnInstanceAtWorkSpeaksForTheProcess) {
+  Bus bus(Memory());
+  Peers peers(bus);
+  std::mutex mutex;
+  std::vector<ProcessState> seen;
+  peers.OnNewInstance([&](const ProcessStatus& status, int64_t) {
+    const std::lock_guard lock(mutex);
+    seen.push_back(status.state);
+  });
+  const auto say = [&](int64_t session, ProcessState state) {
+    ProcessStatus status;
+    status.process = "player";
+    status.state = state;
+    Header header;
+    header.session = session;
+    bus.Publish(kStatusChannel, Encode(header, status));
+  };
+  say(1, ProcessState::kRunning);
+  say(2, ProcessState::kStarting);
+  say(2, ProcessState::kFailed);
+  ASSERT_TRUE(bus.WaitFor([&] { return bus.counters().received == 3; }, 2s));
+  EXPECT_EQ(peers.Session("player"), 1);
+  EXPECT_EQ(peers.Get("player")->state, ProcessState::kRunning);
+  EXPECT_FALSE(peers.WhyGone("player"));
+  say(1, ProcessState::kFinished);
+  say(3, ProcessState::kStarting);
+  ASSERT_TRUE(bus.WaitFor([&] { return bus.counters().received == 5; }, 2s));
+  EXPECT_EQ(peers.Session("player"), 3);
+  EXPECT_THAT(
+      seen, ElementsAre(ProcessState::kRunning, ProcessState::kStarting, ProcessState::kStarting));
+  EXPECT_THAT(peers.NeverHeard({"player", "backend"}), ElementsAre("backend"));
 }
 
 }  // namespace
