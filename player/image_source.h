@@ -6,6 +6,7 @@
 // wrong, where, and the remedy.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -28,7 +29,8 @@ struct SourceOptions {
   double fps = 0;           ///< Hz, for sources without time stamps; 0: what the calibration says
   int width = 0;            ///< px, asked of a live camera; 0: what the calibration says
   int height = 0;
-  bool features = false;  ///< of a log: its features, even if it has images
+  std::string pixel_format;  ///< asked of a live camera, four letters; empty: MJPG if it has that
+  bool features = false;     ///< of a log: its features, even if it has images
   /// Called with one line about each thing that was skipped, from any thread.
   std::function<void(const std::string&)> tell = [](const std::string&) {};
 
@@ -36,6 +38,9 @@ struct SourceOptions {
     if (start < 0) return "start must not be negative";
     if (max_frames < 0) return "frames must not be negative";
     if (!(fps >= 0) || fps > 10000) return "fps must lie in 0 to 10000";
+    if (!pixel_format.empty() && pixel_format.size() != 4) {
+      return "a pixel format has four letters, such as MJPG or YUYV";
+    }
     if (width < 0 || height < 0) return "width and height must not be negative";
     return std::nullopt;
   }
@@ -61,11 +66,18 @@ class ImageSource {
   /// True for a log without pixels: its frames are features and lines that were found before.
   virtual bool HasFeatures() const { return false; }
 
+  /// Waits until Next() would not wait long: at most `patience`, and false after that. Only a
+  /// camera keeps one waiting.
+  virtual bool WaitReady(std::chrono::milliseconds /*patience*/) { return true; }
+
   /// The next frame; nullopt at the end. Throws where going on makes no sense.
   virtual std::optional<SourceFrame> Next() = 0;
 
   /// The true pose at a time, where it is known. May be called while another thread is in Next().
   virtual std::optional<SE3> WorldFromCam(int64_t /*stamp_us*/) const { return std::nullopt; }
+
+  /// One line on what a person had better know from the start; empty if there is nothing.
+  virtual std::string Notice() const { return {}; }
 
   /// One line on what had to be skipped; empty if nothing was. To be asked after the end.
   virtual std::string Summary() { return {}; }

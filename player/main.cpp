@@ -1,6 +1,7 @@
 // player: plays a sequence of images into the graph, or renders a simulated one to files.
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -21,13 +22,25 @@ namespace {
 
 using namespace vpslam;
 
-std::atomic<bool> stop = false;  // outlives the thread that handles signals
+// These outlive the thread that handles signals.
+std::atomic<bool> stop = false;
+std::atomic<bool> is_opening = false;
+
+/// A stream from the network that does not answer, or a camera's driver, cannot be called off, and
+/// nothing was played that could be lost.
+[[noreturn]] void EndAtOnce(Process& process) {
+  process.status.SetState(ProcessState::kFinished, "stopped before the sequence was open");
+  spdlog::info("stopped before the sequence was open");
+  spdlog::default_logger()->flush();
+  std::_Exit(kExitOk);
+}
 
 int Run(Process& process, const std::string& sequence, SourceOptions source_options,
         PlayOptions play_options, const std::string& truth_path) {
   process.OnStopSignal([&process] {
     stop = true;
     process.bus.Notify();
+    if (is_opening) EndAtOnce(process);
   });
   source_options.tell = [](const std::string& line) { spdlog::warn("{}", line); };
   play_options.pace = process.options.pace;
@@ -42,7 +55,9 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
     };
   }
 
+  is_opening = true;
   std::unique_ptr<ImageSource> source = OpenSource(sequence, source_options);
+  is_opening = false;
   if (!source->IsLive()) source = std::make_unique<DecodeAhead>(std::move(source));
   const Camera& c = source->camera();
   spdlog::info("playing {}: {} x {} px at {:g} Hz", sequence, c.width, c.height, c.fps);
@@ -118,6 +133,8 @@ int main(int argc, char** argv) {
                  "px, asked of a camera; the calibration is scaled to it")
       ->check(CLI::PositiveNumber);
   app.add_option("--height", source_options.height, "px, likewise")->check(CLI::PositiveNumber);
+  app.add_option("--pixel-format", source_options.pixel_format,
+                 "asked of a camera, such as MJPG, YUYV, GREY; default: MJPG if it has that");
   app.add_flag("--features", source_options.features,
                "of a log: play its features, even if it has images");
   app.add_option("--truth", truth_path,

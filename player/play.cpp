@@ -42,7 +42,6 @@ class Player {
         options_(options),
         stop_(stop),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
-        camera_(bus, source.camera()),
         truths_(bus, kTruthChannel, AndRecorderIf(options.record != "none", {}),
                 TruthWindow(options.pace)),
         frames_(MakeFrameSender(bus, source, options)),
@@ -56,6 +55,8 @@ class Player {
       frames_->WaitAllAcked(kPatienceWithTheUnready);
       return 0;
     }
+    // Not before: to a graph that has a player already this would be another one's camera.
+    camera_.emplace(bus_, source_.camera());
     warning_ = Warning();
     TellControl();
     const std::exception_ptr broken = SendFrames();
@@ -78,6 +79,12 @@ class Player {
 
   /// What a person had better know from the start; empty if there is nothing.
   std::string Warning() const {
+    const std::string notice = source_.Notice(), loss = LossWarning();
+    if (!notice.empty()) spdlog::info("{}", notice);
+    return notice + (notice.empty() || loss.empty() ? "" : "; ") + loss;
+  }
+
+  std::string LossWarning() const {
     const std::optional<int> asked = AskedReceiveBuffer(bus_.url());
     if (!options_.inline_pixels || source_.HasFeatures() || !asked) return {};
     const Camera& c = source_.camera();
@@ -112,8 +119,10 @@ class Player {
     const auto ready = [this] { return Stopping() || peers_.NotReady(options_.required).empty(); };
     while (!bus_.WaitFor(ready, kTellWaitingAfter) && !Stopping()) {
       ThrowIfAnyoneIsGone();
-      spdlog::info("waiting for {} to be ready",
-                   fmt::join(peers_.NotReady(options_.required), ", "));
+      const auto unready = fmt::format(
+          "waiting for {} on {}", fmt::join(peers_.NotReady(options_.required), ", "), bus_.url());
+      spdlog::info("{}", unready);
+      status_.SetState(ProcessState::kReady, unready);
     }
     return !Stopping();
   }
@@ -200,10 +209,16 @@ class Player {
   std::exception_ptr SendFrames() {
     while (!Stopping()) {
       std::optional<SourceFrame> frame;
+      bool ready = false;
       try {
-        frame = source_.Next();
+        ready = source_.WaitReady(kLookAround);
+        if (ready) frame = source_.Next();
       } catch (const std::exception&) {
         return std::current_exception();
+      }
+      if (!ready) {
+        ThrowIfAnyoneIsGone();
+        continue;
       }
       // Before the time of publishing is taken: it is not to include the wait.
       if (!frame || !WaitToSend(frame->stamp_us)) break;
@@ -241,7 +256,7 @@ class Player {
   const PlayOptions options_;
   const std::atomic<bool>& stop_;
   Inbox<Command> commands_;
-  CameraBeacon camera_;
+  std::optional<CameraBeacon> camera_;
   StreamWriter<Truth> truths_;
   std::unique_ptr<FrameSender> frames_;
   PlayControl control_;

@@ -7,7 +7,7 @@ import re
 from vpslam_tools import paths
 from vpslam_tools.errors import UserError
 
-OPTIONS = ["source", "camera", "fps", "width", "height"]  # passed on to the player
+OPTIONS = ["source", "camera", "fps", "width", "height", "pixel_format"]  # passed on to the player
 NOT_A_PATH = re.compile(r"sim:|camera:|\w+://")
 
 
@@ -25,6 +25,9 @@ def add_arguments(parser):
     parser.add_argument("--fps", metavar="HZ", help="rate of plain images, a video or a camera")
     parser.add_argument("--width", metavar="PX", help="asked of a live camera")
     parser.add_argument("--height", metavar="PX", help="asked of a live camera")
+    parser.add_argument("--pixel-format", metavar="FOURCC",
+                        help="asked of a live camera, such as MJPG, YUYV, GREY (default: MJPG if it "
+                        "has that, since raw images come slowly over USB)")
 
 
 def check(args):

@@ -1,6 +1,7 @@
 #include "player/live_camera.h"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -42,6 +43,10 @@ class Script {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return waiting_ && steps_.empty(); });
   }
+  void WaitUntilTaken() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return taken_; });
+  }
   std::optional<CapturedFrame> Take() {
     std::unique_lock lock(mutex_);
     waiting_ = true;
@@ -50,6 +55,8 @@ class Script {
     waiting_ = false;
     auto step = steps_.front();
     steps_.pop_front();
+    taken_ = true;
+    changed_.notify_all();
     return step;
   }
 
@@ -64,6 +71,7 @@ class Script {
   std::condition_variable changed_;
   std::deque<std::optional<CapturedFrame>> steps_;
   bool waiting_ = false;
+  bool taken_ = false;
 };
 
 class ScriptedCapture : public FrameCapture {
@@ -184,6 +192,36 @@ TEST_F(LiveCameraTest, EndsWhileTheCameraWaits) {
   script_.Add(Picture(2), 2);
   script_.Vanish();  // should that frame have been taken before the end was asked for
   closing.join();
+}
+
+TEST_F(LiveCameraTest, ADriverThatHangsKeepsNobodyFromEnding) {
+  Script script;
+  LiveCameraPatience patience;
+  patience.stalled = std::chrono::milliseconds(100);
+  patience.stop = std::chrono::milliseconds(50);
+  const auto start = std::chrono::steady_clock::now();
+  source_ = MakeLiveCamera(std::make_unique<ScriptedCapture>(&script), SmallCamera(), "lens.yaml",
+                           options_, patience);
+  EXPECT_FALSE(source_->WaitReady(std::chrono::milliseconds(10)));
+  EXPECT_THAT(NextError(), AllOf(HasSubstr("/dev/video7"), HasSubstr("no frame came for 0.1 s")));
+  EXPECT_EQ(source_->Summary(), "");
+  source_.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  ASSERT_THAT(told_, SizeIs(1));
+  EXPECT_THAT(told_[0], HasSubstr("driver does not answer"));
+  script.Vanish();  // the thread that was left behind ends
+  script.WaitUntilTaken();
+}
+
+TEST_F(LiveCameraTest, IsReadyOnceAFrameHasCome) {
+  Open();
+  EXPECT_FALSE(source_->WaitReady(std::chrono::milliseconds(20)));
+  script_.Add(Picture(1), 1);
+  EXPECT_TRUE(source_->WaitReady(std::chrono::seconds(5)));
+  EXPECT_EQ(source_->Next()->stamp_us, 1);
+  script_.Vanish();
+  EXPECT_TRUE(source_->WaitReady(std::chrono::seconds(5))) << "the error is what came";
+  EXPECT_NE(NextError(), "");
 }
 
 TEST(ScaledCamera, KeepsRays) {
