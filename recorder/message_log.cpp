@@ -200,7 +200,7 @@ class MessageLog::Impl {
     Header header;
     header.session = bus_.session();
     header.stamp_us = RealtimeMicroseconds();
-    Write({header.stamp_us, kRunChannel, Encode(header, options_.run), {}, {}});
+    Guard([&] { Write({header.stamp_us, kRunChannel, Encode(header, options_.run), {}, {}}); });
   }
 
   void Write(Entry entry) {

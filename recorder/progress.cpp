@@ -58,8 +58,9 @@ std::string ProgressLine(const RunRecord& run) {
                                  {"messages", nlohmann::ordered_json::object()}};
   for (const auto& [key, status] : run.processes()) {
     line["processes"][status.process] = StateName(status.state);
-    const bool runs = status.state == ProcessState::kRunning;
-    if (runs && !status.message.empty()) line["messages"][status.process] = status.message;
+    const bool is_up =
+        status.state == ProcessState::kReady || status.state == ProcessState::kRunning;
+    if (is_up && !status.message.empty()) line["messages"][status.process] = status.message;
   }
   return ToText(line);
 }

@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -16,6 +18,7 @@
 #include "core/messages/map_request.h"
 #include "core/transport/channels.h"
 #include "core/transport/inbox.h"
+#include "core/transport/peers.h"
 #include "core/transport/publisher.h"
 #include "core/transport/stream_reader.h"
 #include "recorder/progress.h"
@@ -37,6 +40,7 @@ constexpr milliseconds kAskAgainAfter{1000};
 constexpr milliseconds kWaitForStatuses{1000};
 /// Ctrl-C in a terminal reaches all processes at once: the streams then end in good order.
 constexpr milliseconds kWaitForEndWhenStopped{1000};
+const std::vector<std::string> kSenders = {"player", "frontend", "backend"};
 
 nlohmann::ordered_json DescribeLog(const MessageLog& log) {
   auto channels = nlohmann::ordered_json::object();
@@ -68,7 +72,8 @@ class Recorder::Impl {
         statuses_(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         previews_(bus, kPreviewChannel, 1),
-        requests_(bus, kMapRequestChannel) {}
+        requests_(bus, kMapRequestChannel),
+        peers_(bus) {}
 
   bool Run(const std::atomic<bool>& stop) {
     status_.SetState(ProcessState::kReady);
@@ -99,14 +104,30 @@ class Recorder::Impl {
   }
   void Follow(const std::atomic<bool>& stop) {
     std::optional<Clock::time_point> give_up;
+    UnheardNotice notice;
     while (!Ended() && !bus_.interrupted()) {
-      if (!give_up && (stop || stopped_)) give_up = Clock::now() + kWaitForEndWhenStopped;
+      notice.Look(bus_, peers_, kSenders);
+      const bool in_vain = IsLeftAlone();
+      if (!give_up && (stop || stopped_ || in_vain)) {
+        give_up = Clock::now() + (run_.frames().empty() ? milliseconds(0) : kWaitForEndWhenStopped);
+      }
       if (give_up && Clock::now() >= *give_up) break;
       bus_.WaitFor([&] { return HasWork() || Ended() || (stop && !give_up); }, kProgressInterval);
       Work();
       ShowProgress(false);
       std::this_thread::sleep_for(kRest);
     }
+  }
+
+  /// Those from whom poses and map come have gone without ending their streams.
+  bool IsLeftAlone() const {
+    bool any_gone = false;
+    for (const std::string& process : kSenders) {
+      const bool gone = peers_.WhyGone(process).has_value();
+      if (!gone && peers_.NeverHeard({process}).empty()) return false;
+      any_gone |= gone;
+    }
+    return any_gone;
   }
 
   bool HasWork() const {
@@ -193,6 +214,7 @@ class Recorder::Impl {
   Inbox<Command> commands_;
   Inbox<Preview> previews_;
   Publisher<MapRequest> requests_;
+  Peers peers_;
   RunRecord run_;
   std::optional<Clock::time_point> asked_;  ///< when a snapshot was asked for that has not come
   Clock::time_point shown_;

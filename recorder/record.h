@@ -26,7 +26,8 @@ class Recorder {
   ~Recorder();
 
   /// Returns after the results were written: when poses and map have ended (true), or a while after
-  /// `stop` was set or COMMAND kStop came for the recorder (false). COMMAND kSaveNow writes, too.
+  /// `stop` was set, COMMAND kStop came for the recorder, or all who send poses and map were gone
+  /// (false). COMMAND kSaveNow writes, too.
   /// Throws std::runtime_error with one line if the results cannot be written, or, after they were,
   /// if the log could not be.
   bool Run(const std::atomic<bool>& stop);

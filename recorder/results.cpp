@@ -1,5 +1,9 @@
 #include "recorder/results.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "core/base/json_text.h"
@@ -8,6 +12,26 @@
 #include "recorder/trajectory.h"
 
 namespace vpslam {
+
+namespace {
+
+/// What cannot be had again without the run stands first, in case that not all of it fits the disk.
+std::vector<std::pair<std::string, std::string>> InOrderOfWorth(
+    const std::map<std::string, std::string>& files) {
+  const auto rank = [](const std::string& name) {
+    if (name == "trajectory.txt") return 0;
+    if (name.starts_with("trajectory_map")) return 1;
+    if (name == "summary.json") return 2;
+    if (name == "keyframes.txt") return 3;
+    return name == "map.ply" || name == "preview.jpg" ? 5 : 4;
+  };
+  std::vector<std::pair<std::string, std::string>> ordered(files.begin(), files.end());
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [&](const auto& a, const auto& b) { return rank(a.first) < rank(b.first); });
+  return ordered;
+}
+
+}  // namespace
 
 std::map<std::string, std::string> MakeResults(const RunRecord& run, const RunInfo& info) {
   std::map<std::string, std::string> files;
@@ -32,8 +56,8 @@ std::map<std::string, std::string> MakeResults(const RunRecord& run, const RunIn
 
 void WriteResults(const RunRecord& run, const RunInfo& info, const ResultsFolder& folder) {
   const auto files = MakeResults(run, info);
-  folder.Write(files);
   folder.RemoveStaleMaps(files);
+  folder.Write(InOrderOfWorth(files));
 }
 
 }  // namespace vpslam

@@ -7,6 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace vpslam {
 namespace {
 
@@ -17,16 +20,18 @@ namespace fs = std::filesystem;
                            "); free space, or name another folder with --out");
 }
 
-void WriteFile(const std::string& path, const std::string& text) {
+/// 0, or the error for which there is no such file now.
+int WriteFile(const std::string& path, const std::string& text) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (!file) Fail(path, errno);
+  if (!file) return errno;
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
   const int write_error = errno;
   if (std::fclose(file) != 0 || !written) {
     const int error = written ? errno : write_error;
     std::remove(path.c_str());
-    Fail(path, error);
+    return error;
   }
+  return 0;
 }
 
 std::string TemporaryName(const fs::path& folder, const std::string& name) {
@@ -40,25 +45,30 @@ ResultsFolder::ResultsFolder(const std::string& path) : path_(path) {
   fs::create_directories(path_, error);
   if (!fs::is_directory(path_)) Fail(path_, error ? error.value() : ENOTDIR);
   const std::string probe = TemporaryName(path_, "probe");
-  WriteFile(probe, "x");
+  if (const int write_error = WriteFile(probe, "x"); write_error != 0) Fail(path_, write_error);
   std::remove(probe.c_str());
 }
 
-void ResultsFolder::Write(const std::map<std::string, std::string>& files) const {
-  std::vector<std::string> temporary;
-  try {
-    for (const auto& [name, text] : files) {
-      temporary.push_back(TemporaryName(path_, name));
-      WriteFile(temporary.back(), text);
-    }
-  } catch (...) {
-    for (const std::string& path : temporary) std::remove(path.c_str());
-    throw;
-  }
+void ResultsFolder::Write(const std::vector<std::pair<std::string, std::string>>& files) const {
+  std::vector<std::string> missing;
+  int error = 0;
   for (const auto& [name, text] : files) {
+    const std::string temporary = TemporaryName(path_, name);
+    int fault = WriteFile(temporary, text);
     const std::string path = (fs::path(path_) / name).string();
-    if (std::rename(TemporaryName(path_, name).c_str(), path.c_str()) != 0) Fail(path, errno);
+    if (fault == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) {
+      fault = errno;
+      std::remove(temporary.c_str());
+    }
+    if (fault == 0) continue;
+    missing.push_back(name);
+    error = fault;
   }
+  if (missing.empty()) return;
+  throw std::runtime_error(
+      fmt::format("{}: cannot write {} ({}){}; free space, or name another folder with --out",
+                  path_, fmt::join(missing, ", "), std::strerror(error),
+                  missing.size() < files.size() ? "; all other results are there" : ""));
 }
 
 void ResultsFolder::RemoveStaleMaps(const std::map<std::string, std::string>& files) const {

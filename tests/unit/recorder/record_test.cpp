@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -50,7 +51,13 @@ class RecordTest : public ::testing::Test {
     recorder_ =
         std::make_unique<Recorder>(*bus_, *status_, folder_, RunInfo(),
                                    [this](const std::string& s) { progress_.push_back(s); });
-    thread_ = std::thread([this] { complete_ = recorder_->Run(stop_); });
+    thread_ = std::thread([this] {
+      try {
+        complete_ = recorder_->Run(stop_);
+      } catch (const std::exception& e) {
+        error_ = e.what();
+      }
+    });
   }
   ~RecordTest() override {
     stop_ = true;
@@ -80,6 +87,7 @@ class RecordTest : public ::testing::Test {
   ResultsFolder folder_;
   std::atomic<bool> stop_ = false;
   bool complete_ = false;
+  std::string error_;
   std::vector<std::string> progress_;
   std::unique_ptr<Bus> bus_;
   std::unique_ptr<StatusReporter> status_;
@@ -174,6 +182,31 @@ TEST_F(RecordTest, SavesOnCommandAndGoesOn) {
   Join();
   EXPECT_TRUE(complete_);
   EXPECT_THAT(Read("trajectory.txt"), HasSubstr("\n0.300000 3.0"));
+}
+
+TEST_F(RecordTest, EndsWhenAllOthersHaveGone) {
+  ASSERT_TRUE(deltas_->Send(FirstDelta()));
+  SendPoses(2);
+  ASSERT_TRUE(poses_->WaitAllAcked(seconds(10)));
+  StatusReporter player(*bus_, "player"), frontend(*bus_, "frontend");
+  frontend.SetState(ProcessState::kFailed, "out of memory");
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_EQ(status_->Snapshot().state, ProcessState::kRunning) << "the player may start another";
+  player.SetState(ProcessState::kFailed, "frontend failed");
+  Join();
+  EXPECT_FALSE(complete_);
+  EXPECT_THAT(Read("trajectory.txt"), HasSubstr("\n0.100000 1.0"));
+}
+
+TEST_F(RecordTest, WhatAHandlerThrowsEndsItWithResults) {
+  ASSERT_TRUE(deltas_->Send(FirstDelta()));
+  SendPoses(2);
+  ASSERT_TRUE(poses_->WaitAllAcked(seconds(10)));
+  std::this_thread::sleep_for(milliseconds(300));  // until they are worked in
+  const auto timer = bus_->OnTick([] { throw std::runtime_error("a handler is broken"); });
+  Join();
+  EXPECT_EQ(error_, "a handler is broken");
+  EXPECT_THAT(Read("trajectory.txt"), HasSubstr("\n0.100000 1.0"));
 }
 
 TEST_F(RecordTest, WritesWhatItHasWhenStopped) {

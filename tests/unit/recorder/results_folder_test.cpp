@@ -66,13 +66,25 @@ TEST_F(ResultsFolderTest, SaysWhyItCannotWrite) {
   }
 }
 
-TEST_F(ResultsFolderTest, AFailureLeavesTheOldFiles) {
+TEST_F(ResultsFolderTest, AFailureLeavesTheOldFile) {
   const ResultsFolder folder(path_.string());
   folder.Write({{"a.txt", "old"}});
-  fs::create_directory(path_ / ".b.txt.tmp");  // b's temporary file cannot be made
-  EXPECT_THROW(folder.Write({{"a.txt", "new"}, {"b.txt", "new"}}), std::runtime_error);
+  fs::create_directory(path_ / ".a.txt.tmp");  // a's temporary file cannot be made
+  EXPECT_THROW(folder.Write({{"a.txt", "new"}}), std::runtime_error);
   EXPECT_EQ(Read("a.txt"), "old");
-  EXPECT_FALSE(fs::exists(path_ / ".a.txt.tmp"));
+}
+
+TEST_F(ResultsFolderTest, WhatDoesNotFitCostsNothingElse) {
+  const ResultsFolder folder(path_.string());
+  fs::create_directory(path_ / ".b.txt.tmp");  // b's temporary file cannot be made
+  try {
+    folder.Write({{"a.txt", "one"}, {"b.txt", "two"}, {"c.txt", "three"}});
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("cannot write b.txt (Is a directory); all other results"));
+  }
+  EXPECT_EQ(Read("a.txt"), "one");
+  EXPECT_EQ(Read("c.txt"), "three");
 }
 
 TEST_F(ResultsFolderTest, NoticesAFullDisk) {
