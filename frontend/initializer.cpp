@@ -29,6 +29,15 @@ InitialMap MakeInitialMap(const Frame& first, const std::vector<Match>& matches,
   return map;
 }
 
+template <class T>
+void Remove(const std::vector<bool>& unwanted, std::vector<T>* values) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < unwanted.size(); ++i) {
+    if (!unwanted[i]) (*values)[kept++] = (*values)[i];
+  }
+  values->resize(kept);
+}
+
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr int kMinSupport = 5;
 constexpr double kMaxSigma_rad = 1.0 * kRadPerDeg;
@@ -59,7 +68,7 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
   }
   const Features& features = frame.seen->features;
   const Features& reference_features = reference_->seen->features;
-  const std::vector<Match> matches =
+  std::vector<Match> matches =
       MatchForInitialisation(reference_features, features, frame.seen->grid, predicted_px_);
   for (const Match& m : matches) {
     const Keypoint& k = features.keypoints[m.second];
@@ -76,6 +85,9 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
     const Keypoint& b = features.keypoints[m.second];
     pairs.push_back({a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
   }
+  const std::vector<bool> resting = RestingMatches(pairs, options_.resting);
+  Remove(resting, &matches);
+  Remove(resting, &pairs);
   const TwoViewResult result = EstimateTwoView(camera_, pairs, options_.two_view, rng);
   const TwoViewCandidate* motion = Decide(result, frame.seen->lines.get());
   if (!motion) return std::nullopt;

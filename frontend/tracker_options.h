@@ -6,6 +6,7 @@
 
 #include "core/estimation/pose_optimizer.h"
 #include "core/features/orb_extractor.h"
+#include "core/geometry/resting_matches.h"
 #include "core/geometry/two_view.h"
 #include "core/map/place_index.h"
 
@@ -17,6 +18,7 @@ struct InitializerOptions {
   int min_matches = 50;    ///< with fewer, the reference view is given up for the present one
   int max_frames = 60;     ///< ... and also after as many frames without success
   TwoViewOptions two_view;
+  RestingMatchesOptions resting;  ///< what is fixed to the camera has no say
   /// Where both views show the Manhattan axes well, their rotation decides between motions that the
   /// matches leave open: the only one that agrees with it to so much starts the map. Against a
   /// clear motion they have no say: see docs/method.md, "How a map starts".
@@ -29,6 +31,7 @@ struct InitializerOptions {
     v("min_matches", min_matches);
     v("max_frames", max_frames);
     v("two_view", two_view);
+    v("resting", resting);
     v("vps", vps);
     v("max_vp_difference_deg", max_vp_difference_deg);
   }
