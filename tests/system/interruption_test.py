@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import signal
+import time
 import unittest
 
 import system
@@ -37,6 +38,24 @@ class Interruption(system.SystemTest):
         self.assertTrue(summary["interrupted"])
         self.assertTrue((self.folder / "ctrl_c" / "trajectory.txt").exists(), output)
         self.assert_nothing_left()
+
+    def test_ctrl_c_at_any_time_of_the_start(self):
+        for delay_s in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.4, 2.0):
+            with self.subTest(delay_s):
+                out = self.folder / f"after_{delay_s}"
+                process = self.start(self.endless, "--out", out)
+                time.sleep(delay_s)
+                process.send_signal(signal.SIGINT)
+                sent = time.monotonic()
+                status, output = self.finish(process)
+                self.assertLess(time.monotonic() - sent, 20, output)
+                self.assertNotIn("Traceback", output)
+                self.assertNotIn("SIGINT", output)
+                summary = out / "summary.json"
+                frames = (json.loads(summary.read_text())["frames"]["in"]
+                          if summary.exists() else 0)
+                self.assertEqual(status, 0 if frames > 0 else 130, output)
+                self.assert_nothing_left()
 
     def test_two_ctrl_c_end_at_once(self):
         process, _ = self.start_endless("twice")
