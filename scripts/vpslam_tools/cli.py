@@ -1,13 +1,12 @@
 """The command line: one sub-command per module."""
 
 import argparse
-import errno
 import sys
 
 from vpslam_tools import (bench_command, demo_command, evaluate_command, fetch_command,
                           install_build, log_command, replay_command, run_command, spy_command,
                           status_command)
-from vpslam_tools.errors import UserError
+from vpslam_tools.errors import UserError, describe
 
 
 def build_parser():
@@ -47,14 +46,3 @@ def main(arguments):
     except OSError as error:  # a folder that cannot be written, a full disk, ...
         print(f"vpslam {args.command}: {describe(error)}", file=sys.stderr)
         return 1
-
-
-def describe(error):
-    """One line on an error of a file or the network that no command expected."""
-    where = f"{error.filename}: " if error.filename else ""
-    remedies = {errno.ENOSPC: "free space there", errno.EDQUOT: "free space there",
-                errno.EACCES: "check its permissions", errno.EPERM: "check its permissions",
-                errno.EROFS: "name a folder that can be written",
-                errno.ENOENT: "check the path", errno.ENOTDIR: "check the path"}
-    remedy = remedies.get(error.errno)
-    return f"{where}{error.strerror or error}" + (f"; {remedy}" if remedy else "")

@@ -75,7 +75,11 @@ class Keyboard:
             self._console.stdin.close()
         except OSError:
             pass
-        self._console.wait()
+        try:
+            self._console.wait(timeout=2)  # it ends with its input
+        except subprocess.TimeoutExpired:
+            self._console.kill()
+            self._console.wait()
 
     @staticmethod
     def _has_terminal():

@@ -7,7 +7,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 
-from vpslam_tools import cli, multicast  # noqa: E402
+from vpslam_tools import errors, multicast  # noqa: E402
 from vpslam_tools.errors import UserError  # noqa: E402
 from vpslam_tools.hearing import PATIENCE_S, Hearing  # noqa: E402
 
@@ -63,10 +63,10 @@ class Errors(unittest.TestCase):
                                ("/nowhere/x", "/nowhere/x: No such file or directory; check the")):
             with self.assertRaises(OSError) as caught:
                 open(path, "w")
-            self.assertIn(expected, cli.describe(caught.exception))
+            self.assertIn(expected, errors.describe(caught.exception))
         full = OSError(28, "No space left on device", "map.ply")
-        self.assertEqual(cli.describe(full), "map.ply: No space left on device; free space there")
-        self.assertEqual(cli.describe(OSError("odd")), "odd")
+        self.assertEqual(errors.describe(full), "map.ply: No space left on device; free space there")
+        self.assertEqual(errors.describe(OSError("odd")), "odd")
 
 
 if __name__ == "__main__":
