@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "core/base/json_text.h"
 #include "core/transport/process.h"
 #include "recorder/record.h"
 #include "recorder/results_folder.h"
@@ -50,8 +52,14 @@ int Run(Process& process, const std::string& out, const RunInfo& info, bool show
            process.options.record == "all",
            {static_cast<uint64_t>(info.seed), info.commit, info.options.dump()}};
   }
-  const bool complete =
-      Recorder(process.bus, process.status, folder, info, progress, log).Run(stop);
+  bool complete = false;
+  try {
+    complete = Recorder(process.bus, process.status, folder, info, progress, log).Run(stop);
+  } catch (const std::exception& e) {
+    // Where the disk is full, the log has no room for it either.
+    if (progress) progress(ToText(nlohmann::ordered_json{{"error", e.what()}}));
+    throw;
+  }
   if (!complete) spdlog::warn("stopped before poses and map had ended");
   return kExitOk;
 }

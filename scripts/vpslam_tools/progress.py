@@ -16,11 +16,13 @@ class Progress:
         self._line_open = False
         self._last_printed = -QUIET_S
         self._told = set()
+        self.error = None  # why the recorder failed, by its own word
 
     def show(self, json_line):
         """Returns whether frames come through."""
         try:
             progress = json.loads(json_line)
+            self.error = progress.get("error", self.error)
             line = describe(progress)
             messages = progress.get("messages", {}).items()
         except (ValueError, KeyError, TypeError, AttributeError):

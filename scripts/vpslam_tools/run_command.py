@@ -216,8 +216,10 @@ def conclude(supervisor, args, out, progress):
     for name, fault in supervisor.faults.items():
         log = supervisor.children[name].log_path
         progress.tell(f"{name} {fault}; {log} ends:")
-        lines = log.read_text(errors="replace").splitlines()
-        progress.tell("\n".join("  " + line for line in lines[-LOG_LINES_TOLD:]) or "  (empty)")
+        lines = log.read_text(errors="replace").splitlines()[-LOG_LINES_TOLD:]
+        if name == "recorder" and progress.error and progress.error not in "\n".join(lines):
+            lines.append(progress.error)  # its disk is full, and that of its log as well
+        progress.tell("\n".join("  " + line for line in lines) or "  (empty)")
     path = out / "summary.json"
     summary = json.loads(path.read_text()) if path.exists() else {"frames": {"in": 0}}
     if supervisor.interrupts and path.exists():

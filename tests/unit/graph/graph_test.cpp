@@ -190,5 +190,27 @@ TEST(Graph, AFailedBackendEndsTheFrontendWithAnError) {
   EXPECT_THAT(graph.error_, HasSubstr("no more memory"));
 }
 
+TEST(Graph, ABackendThatFailedAtTheStartIsNotWaitedFor) {
+  Graph graph;
+  StatusReporter backend(graph.bus_, "backend");
+  graph.StartFrontend();
+  CameraBeacon camera(graph.bus_, SmallCamera());
+  std::this_thread::sleep_for(100ms);  // it waits for a backend that may be sent to
+  EXPECT_FALSE(graph.frontend_done_);
+  backend.SetState(ProcessState::kFailed, "no such settings");
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.frontend_done_.load(); }, 5s));
+  EXPECT_THAT(graph.error_, HasSubstr("no such settings"));
+}
+
+TEST(Graph, APlayerThatFailedAtTheStartEndsAll) {
+  Graph graph;
+  graph.StartBackend();
+  graph.StartFrontend();
+  ASSERT_TRUE(graph.peers_.WaitReady({"frontend", "backend"}, 5s));
+  graph.player_status_.SetState(ProcessState::kFailed, "no such folder");
+  ASSERT_TRUE(graph.bus_.WaitFor([&] { return graph.frontend_done_ && graph.backend_done_; }, 5s));
+  EXPECT_THAT(graph.error_, HasSubstr("no such folder"));
+}
+
 }  // namespace
 }  // namespace vpslam::test
