@@ -18,9 +18,9 @@ class Placement {
  public:
   /// In no map: without matches, and it takes none.
   Placement() = default;
-  /// In `map`, without matches yet.
-  Placement(MapId map, const FrameObservation& seen, const SE3& cam_from_world)
-      : cam_from_world(cam_from_world),
+  /// At this pose (`cam_from_world`) in `map`, without matches yet.
+  Placement(MapId map, const FrameObservation& seen, const SE3& pose)
+      : cam_from_world(pose),
         map_(map),
         points_(seen.num_features()),
         lines_(seen.num_segments()) {}
