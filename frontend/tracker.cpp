@@ -393,6 +393,7 @@ class Tracker::Impl {
 std::optional<std::string> TrackerOptions::Validate() const {
   if (const auto why = orb.Validate()) return why;
   if (const auto why = initializer.two_view.Validate()) return why;
+  if (const auto why = initializer.resting.Validate()) return why;
   if (num_features_to_start < orb.num_features) {
     return "num_features_to_start must not be less than orb.num_features";
   }

@@ -30,6 +30,7 @@ struct SourceOptions {
   int width = 0;            ///< px, asked of a live camera; 0: what the calibration says
   int height = 0;
   std::string pixel_format;  ///< asked of a live camera, four letters; empty: MJPG if it has that
+  std::string mask_file;     ///< --mask, over that of the calibration; empty: none
   bool features = false;     ///< of a log: its features, even if it has images
   /// Called with one line about each thing that was skipped, from any thread.
   std::function<void(const std::string&)> tell = [](const std::string&) {};

@@ -15,6 +15,7 @@
 
 #include "core/base/camera_file.h"
 #include "core/base/stopwatch.h"
+#include "core/geometry/image_mask.h"
 #include "player/bad_frame_guard.h"
 #include "player/frame_check.h"
 
@@ -307,6 +308,7 @@ Camera ScaledCamera(const Camera& camera, int width, int height) {
   scaled.fy *= factor;
   scaled.cx = (camera.cx + 0.5) * factor - 0.5;  // pixel centres have integer coordinates
   scaled.cy = (camera.cy + 0.5) * factor - 0.5;
+  scaled.mask_runs = ImageMask(camera.mask_runs, camera.width, camera.height).Scaled(width, height);
   if (const auto why = scaled.Validate()) throw std::runtime_error(*why);
   return scaled;
 }

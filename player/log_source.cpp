@@ -9,6 +9,7 @@
 
 #include "core/base/camera_file.h"
 #include "core/base/stopwatch.h"
+#include "core/messages/process_status.h"
 #include "core/messages/truth.h"
 #include "core/transport/channels.h"
 #include "core/transport/codec.h"
@@ -86,7 +87,8 @@ class LogSource : public ImageSource {
   void LookThrough() {
     EventLogReader reader(path_);
     bool has_camera = false;
-    SequenceWatch cameras, truths, images, features;
+    SequenceWatch cameras, truths, images, features, statuses;
+    int32_t protocol = kProtocolVersion;
     while (const std::optional<LogEvent> event = reader.Next()) {
       if (const auto camera = Take<Camera>(*event, kCameraChannel, &cameras)) {
         camera_ = *camera;
@@ -98,6 +100,8 @@ class LogSource : public ImageSource {
         if (image) ++(image->segment.empty() ? images_ : handles_);
       } else if (Take<FrameFeatures>(*event, kFeaturesChannel, &features)) {
         ++features_;
+      } else if (const auto status = Take<ProcessStatus>(*event, kStatusChannel, &statuses)) {
+        protocol = status->protocol_version;
       }
     }
     if (reader.damaged_bytes() > 0) {
@@ -105,6 +109,12 @@ class LogSource : public ImageSource {
           fmt::format("{}: {} bytes are damaged and left out", path_, reader.damaged_bytes()));
     }
     if (refused_ > 0 && (!has_camera || images_ + handles_ + features_ == 0)) {
+      if (protocol != kProtocolVersion) {
+        Fail(
+            fmt::format("was recorded with version {} of the protocol, and this program reads {}; "
+                        "replay it with the version that recorded it",
+                        protocol, kProtocolVersion));
+      }
       Fail(
           "its messages are damaged or of another version of the protocol; replay it with the "
           "version that recorded it");

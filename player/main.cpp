@@ -135,6 +135,10 @@ int main(int argc, char** argv) {
   app.add_option("--height", source_options.height, "px, likewise")->check(CLI::PositiveNumber);
   app.add_option("--pixel-format", source_options.pixel_format,
                  "asked of a camera, such as MJPG, YUYV, GREY; default: MJPG if it has that");
+  app.add_option(
+      "--mask", source_options.mask_file,
+      "picture of the images' size: where it is black they are not used, since what moves "
+      "with the camera is there");
   app.add_flag("--features", source_options.features,
                "of a log: play its features, even if it has images");
   app.add_option("--truth", truth_path,

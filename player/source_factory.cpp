@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "player/euroc_folder.h"
 #include "player/icl_folder.h"
@@ -11,6 +12,7 @@
 #include "player/kitti_folder.h"
 #include "player/live_camera.h"
 #include "player/log_source.h"
+#include "player/masked_source.h"
 #include "player/sim_source.h"
 #include "player/tum_folder.h"
 #include "player/video_file.h"
@@ -80,7 +82,9 @@ std::unique_ptr<ImageSource> OpenSource(const std::string& name, const SourceOpt
   if ((options.width > 0 || options.height > 0) && !kind.takes_size) {
     throw std::runtime_error(name + ": has images of one size; leave out --width and --height");
   }
-  return kind.open(name, options);
+  auto source = kind.open(name, options);
+  if (options.mask_file.empty()) return source;
+  return WithMask(std::move(source), options.mask_file);
 }
 
 std::vector<std::string> SourceKindNames() {

@@ -1,6 +1,9 @@
 #include "vpdetector/line_extractor.h"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "core/geometry/image_mask.h"
 
 namespace vpslam {
 namespace {
@@ -13,6 +16,17 @@ bool FollowsBorder(const RawSegment& s, const cv::Mat& gray, double border_px) {
          (s.start_px.y() < border_px && s.end_px.y() < border_px) ||
          (s.start_px.x() > right && s.end_px.x() > right) ||
          (s.start_px.y() > bottom && s.end_px.y() > bottom);
+}
+
+/// Cuts fragments off where the mask hides them.
+void LeaveOutHidden(const ImageMask& mask, std::vector<RawSegment>* fragments) {
+  constexpr double kMargin_px = 2;  // the ends of fragments are uncertain by as much
+  std::size_t kept = 0;
+  for (const RawSegment& fragment : *fragments) {
+    const auto part = LongestSeenPart(mask, fragment.start_px, fragment.end_px, kMargin_px);
+    if (part) (*fragments)[kept++] = {part->start_px, part->end_px};
+  }
+  fragments->resize(kept);
 }
 
 }  // namespace
@@ -32,6 +46,9 @@ std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
   std::vector<RawSegment> raw = DetectSegments(gray, options.detector);
   std::erase_if(raw,
                 [&](const RawSegment& s) { return FollowsBorder(s, gray, options.border_px); });
+  if (const ImageMask mask(camera.mask_runs, gray.cols, gray.rows); mask.HidesAnything()) {
+    LeaveOutHidden(mask, &raw);
+  }
   const double limit_px = options.max_extent * std::max(gray.cols, gray.rows);
   const auto is_near = [&](const Eigen::Vector2d& x) {
     return x.cwiseAbs().maxCoeff() <= limit_px;

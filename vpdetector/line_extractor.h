@@ -39,7 +39,8 @@ struct LineExtractorOptions {
   std::optional<std::string> Validate() const;
 };
 
-/// Longest first. `gray` is CV_8UC1.
+/// Longest first. `gray` is CV_8UC1, of the camera's size; there are none where its mask hides what
+/// is there.
 std::vector<EdgeSegment> ExtractLines(const cv::Mat& gray, const Camera& camera,
                                       const LineExtractorOptions& options);
 

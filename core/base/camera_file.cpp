@@ -1,8 +1,11 @@
 #include "core/base/camera_file.h"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
+
+#include "core/base/mask_file.h"
 
 namespace vpslam {
 namespace {
@@ -20,6 +23,11 @@ T Get(const YAML::Node& root, const std::string& path, const char* key, const T*
   } catch (const YAML::Exception&) {
     throw std::runtime_error(path + ": the value of '" + key + "' is not a number; correct it");
   }
+}
+
+/// A path that a file names: from its own folder, unless it is absolute.
+std::string BesideFile(const std::string& path, const std::string& named) {
+  return (std::filesystem::path(path).parent_path() / named).string();
 }
 
 }  // namespace
@@ -51,6 +59,10 @@ Camera ReadCameraFile(const std::string& path) {
   camera.p1 = Get<double>(root, path, "p1", &zero);
   camera.p2 = Get<double>(root, path, "p2", &zero);
   camera.k3 = Get<double>(root, path, "k3", &zero);
+  if (const YAML::Node mask = root["mask"]) {
+    if (!mask.IsScalar()) throw std::runtime_error(path + ": 'mask' is no name of a file");
+    camera.mask_runs = ReadMaskFile(BesideFile(path, mask.Scalar()), camera.width, camera.height);
+  }
   if (const auto why = camera.Validate()) {
     throw std::runtime_error(path + ": " + *why + "; correct the calibration");
   }

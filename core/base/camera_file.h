@@ -1,5 +1,6 @@
 // Camera calibration as a flat YAML file: width, height, fx, fy, cx, cy; optional fps and k1, k2,
-// p1, p2, k3.
+// p1, p2, k3, and mask (a picture of that size, beside the file: black where images are not to be
+// used).
 #pragma once
 
 #include <string>

@@ -15,6 +15,7 @@
 #include "core/features/keypoint_distribution.h"
 #include "core/features/orb_descriptor.h"
 #include "core/features/orientation.h"
+#include "core/geometry/image_mask.h"
 
 namespace vpslam {
 namespace {
@@ -69,6 +70,7 @@ class OrbExtractor::Impl {
       : camera_(Validated(camera)),
         options_(Validated(options)),
         bounds_(camera_.UndistortedBounds()),
+        mask_(camera_.mask_runs, camera_.width, camera_.height),
         scales_(options_.num_levels, options_.scale_factor, options_.sigma_px),
         pyramid_(camera_.width, camera_.height, scales_, 2 * kMargin_px + 1),
         detector_({.threshold = options_.fast_threshold,
@@ -92,6 +94,7 @@ class OrbExtractor::Impl {
       const Stopwatch watch(&timings_.detection_ms);
       for (int octave = 0; octave < pyramid_.num_levels(); ++octave) {
         detector_.Detect(pyramid_.level(octave), &corners_[octave]);
+        if (mask_.HidesAnything()) LeaveOutHidden(octave);
         available.push_back(static_cast<int>(corners_[octave].size()));
       }
     }
@@ -114,6 +117,14 @@ class OrbExtractor::Impl {
   const OrbTimings& timings() const { return timings_; }
 
  private:
+  /// Before corners are chosen, so that others come in their place.
+  void LeaveOutHidden(int octave) {
+    std::erase_if(corners_[octave], [&](const Corner& c) {
+      return mask_.Hides({pyramid_.ToLevelZeroX(octave, static_cast<float>(c.x)),
+                          pyramid_.ToLevelZeroY(octave, static_cast<float>(c.y))});
+    });
+  }
+
   void AppendLevel(int octave, Features* features) {
     const cv::Mat& level = pyramid_.level(octave);
     std::vector<Corner>& corners = corners_[octave];
@@ -167,6 +178,7 @@ class OrbExtractor::Impl {
   Camera camera_;
   OrbOptions options_;
   Camera::Bounds bounds_;
+  ImageMask mask_;
   ScalePyramid scales_;
   ImagePyramid pyramid_;
   CornerDetector detector_;

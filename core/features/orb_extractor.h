@@ -62,7 +62,8 @@ class OrbExtractor {
   OrbExtractor(OrbExtractor&&) noexcept;
   OrbExtractor& operator=(OrbExtractor&&) noexcept;
 
-  /// `image` is CV_8UC1, of the camera's size (std::invalid_argument otherwise). Ordered by octave.
+  /// `image` is CV_8UC1, of the camera's size (std::invalid_argument otherwise). Ordered by octave;
+  /// none where the camera's mask hides what is there.
   Features Extract(const cv::Mat& image);
 
   const ScalePyramid& scales() const;

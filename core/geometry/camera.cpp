@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 
+#include "core/geometry/image_mask.h"
+
 namespace vpslam {
 namespace {
 
@@ -40,7 +42,7 @@ std::optional<std::string> Camera::Validate() const {
     return "the principal point lies far outside the image";
   }
   if (fps <= 0 || fps > 10000) return "fps must lie in 0 to 10000";
-  return std::nullopt;
+  return ImageMask::Fault(mask_runs, width, height);
 }
 
 Eigen::Vector2d Camera::Distort(const Eigen::Vector2d& undistorted_px) const {

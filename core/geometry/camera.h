@@ -4,8 +4,10 @@
 // *undistorted* pinhole image, u = fx x/z + cx; only images and detectors know distortion.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -17,16 +19,19 @@ struct Camera {
   double fps = 30.0;
   double fx = 0, fy = 0, cx = 0, cy = 0;          ///< px
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;  ///< radial k, tangential p; no unit
+  /// What moves with the camera, as run lengths (core/geometry/image_mask.h); empty: nothing.
+  std::vector<int32_t> mask_runs = {};
 
   bool HasDistortion() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0; }
 
-  /// Why this is no usable camera (a size or focal length <= 0, a NaN, ...); nullopt if it is one.
+  /// Why this is no usable camera (a size or focal length <= 0, a NaN, a mask of another size,
+  /// ...); nullopt if it is one.
   std::optional<std::string> Validate() const;
 
   /// See core/base/description.h.
   static constexpr const char* kWireName = "camera_t";
   static void Describe(auto& v, auto& m) {
-    auto& [width, height, fps, fx, fy, cx, cy, k1, k2, p1, p2, k3] = m;
+    auto& [width, height, fps, fx, fy, cx, cy, k1, k2, p1, p2, k3, mask_runs] = m;
     v("width", width);
     v("height", height);
     v("fps", fps);
@@ -39,6 +44,7 @@ struct Camera {
     v("k3", k3);
     v("p1", p1);
     v("p2", p2);
+    v.Array("num_mask_runs", "mask_runs", mask_runs);
   }
 
   /// Undistorted pixel of a point in camera coordinates; the caller makes sure that z > 0.

@@ -166,7 +166,7 @@ struct MapMerger {
   static constexpr const char* kWireName = "map_merger_t";
   static void Describe(auto& v, auto& m) {
     auto& [from, into] = m;
-    v("from", from, Required());
+    v("merged", from, Required());  // "from" cannot be a name in Python
     v("into", into, Required());
   }
   std::optional<std::string> Validate() const {

@@ -9,7 +9,7 @@
 namespace vpslam {
 
 /// Changes with every incompatible change of a message or of the flow.
-inline constexpr int32_t kProtocolVersion = 3;
+inline constexpr int32_t kProtocolVersion = 4;
 
 enum class ProcessState : int32_t {
   kStarting = 0,

@@ -137,7 +137,7 @@ def check_input(args):
     """What would only come out when the processes are up; the rest they check themselves."""
     sources.check(args)
     presets.check(args)
-    for option in ("camera", "config"):
+    for option in ("camera", "config", "mask"):
         path = getattr(args, option)
         if path and not pathlib.Path(path).is_file():
             raise UserError(f"{path}: no such file; check --{option}")

@@ -7,7 +7,7 @@ import re
 from vpslam_tools import paths
 from vpslam_tools.errors import UserError
 
-OPTIONS = ["source", "camera", "fps", "width", "height", "pixel_format"]  # passed on to the player
+OPTIONS = ["source", "camera", "fps", "width", "height", "pixel_format", "mask"]  # passed on to the player
 NOT_A_PATH = re.compile(r"sim:|camera:|\w+://")
 
 
@@ -22,6 +22,9 @@ def add_arguments(parser):
     parser.add_argument("--camera", metavar="FILE",
                         help="calibration, such as those in config/cameras; default: the "
                         "sequence's own, or the published one of its TUM RGB-D camera")
+    parser.add_argument("--mask", metavar="FILE",
+                        help="picture of the images' size: where it is black they are not used, "
+                        "since what moves with the camera is there (default: the calibration's)")
     parser.add_argument("--fps", metavar="HZ", help="rate of plain images, a video or a camera")
     parser.add_argument("--width", metavar="PX", help="asked of a live camera")
     parser.add_argument("--height", metavar="PX", help="asked of a live camera")

@@ -232,6 +232,9 @@ TEST(ScaledCamera, KeepsRays) {
   EXPECT_NEAR((scaled.Unproject({-0.5, -0.5}) - camera.Unproject({-0.5, -0.5})).norm(), 0, 1e-12);
   EXPECT_NEAR((scaled.Unproject({127.5, 95.5}) - camera.Unproject({63.5, 47.5})).norm(), 0, 1e-12);
   EXPECT_THROW(ScaledCamera(camera, 128, 72), std::runtime_error);
+  Camera masked = camera;
+  masked.mask_runs = {64 * 20, 64 * 28};
+  EXPECT_EQ(ScaledCamera(masked, 128, 96).mask_runs, (std::vector<int32_t>{128 * 40, 128 * 56}));
 }
 
 TEST(LiveCamera, IsRecognised) {

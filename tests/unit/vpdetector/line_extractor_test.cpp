@@ -59,6 +59,26 @@ TEST_P(LineExtractorTest, FindsEdgesToATenthOfAPixel) {
   EXPECT_LT(std::sqrt(square / count), 0.1);
 }
 
+TEST_P(LineExtractorTest, FindsNothingWhereTheMaskHidesTheImage) {
+  Camera camera = SceneCamera();
+  const Quad quad = TurnedRectangle({320.3, 240.6}, 300, 220, 0.1, 200);
+  const cv::Mat image = RenderQuads(camera, {quad}, 60, 3.0);
+  const auto lowest = [](const std::vector<EdgeSegment>& segments) {
+    double y = 0;
+    for (const EdgeSegment& s : segments) y = std::max({y, s.start_px.y(), s.end_px.y()});
+    return y;
+  };
+  const auto all = ExtractLines(image, camera, Options());
+  EXPECT_GT(lowest(all), 300);
+  const int seen = 260 * camera.width;  // rows 0 to 259
+  camera.mask_runs = {seen, camera.width * camera.height - seen};
+  const auto segments = ExtractLines(image, camera, Options());
+  EXPECT_LT(lowest(segments), 261);
+  // The upper edge is whole, those at the sides are cut off.
+  EXPECT_GE(segments.size(), 3u);
+  EXPECT_NEAR(segments[0].Length(), all[0].Length(), 3);
+}
+
 TEST_P(LineExtractorTest, StraightensWhatTheLensBends) {
   Camera camera = SceneCamera();
   camera.k1 = -0.28;

@@ -301,5 +301,21 @@ TEST(OrbExtractor, WrongImagesAndOptionsAreRefused) {
   }
 }
 
+TEST(OrbExtractor, FindsNothingWhereTheMaskHidesTheImage) {
+  Camera camera = PinholeCamera();
+  camera.k1 = -0.2;  // the mask is of the image as the lens sees it
+  const cv::Mat image = TexturedImage(camera.width, camera.height, 7);
+  const OrbOptions options;
+  const int all = OrbExtractor(camera, options).Extract(image).size();
+  const int hidden = camera.width * camera.height / 3;  // the lowest third
+  camera.mask_runs = {camera.width * camera.height - hidden, hidden};
+  const Features features = OrbExtractor(camera, options).Extract(image);
+  for (const Keypoint& k : features.keypoints) {
+    EXPECT_LT(camera.Distort(k.Position().cast<double>()).y(),
+              camera.height * 2 / 3 + 1.5 * std::pow(options.scale_factor, k.octave));
+  }
+  EXPECT_GT(features.size(), 0.95 * all) << "others come in their place";
+}
+
 }  // namespace
 }  // namespace vpslam

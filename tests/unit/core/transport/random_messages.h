@@ -152,6 +152,12 @@ class Repairer : public RandomNumbers {
     c->cx = Real(1, 15);
     c->cy = Real(1, 15);
     for (double* k : {&c->k1, &c->k2, &c->k3, &c->p1, &c->p2}) *k = Real(-0.01, 0.01);
+    c->mask_runs.clear();
+    int32_t left = c->width * c->height;
+    for (int i = Bool() ? Int(2, 9) : 0; i > 0; --i) {
+      c->mask_runs.push_back(i == 1 ? left : Int(1, left / 2));
+      left -= c->mask_runs.back();
+    }
   }
   void Repair(ImageMessage* m) {
     m->width = Int(1, 40);
