@@ -16,7 +16,7 @@ void PointProbation::Count(const PointSighting& sighting) {
   at->second.found += sighting.found;
 }
 
-void PointProbation::Cull(int keyframe_count, Map* map) {
+void PointProbation::Cull(int keyframe_count, OwnedMap* map) {
   for (auto at = records_.begin(); at != records_.end();) {
     const auto& [id, record] = *at;
     const MapPoint* point = map->Find(id);
@@ -36,7 +36,7 @@ void PointProbation::Cull(int keyframe_count, Map* map) {
   }
 }
 
-void LineProbation::Cull(int keyframe_count, Map* map) {
+void LineProbation::Cull(int keyframe_count, OwnedMap* map) {
   for (auto at = created_at_.begin(); at != created_at_.end();) {
     const auto& [id, created_at] = *at;
     const MapLine* line = map->Find(id);
@@ -50,8 +50,8 @@ void LineProbation::Cull(int keyframe_count, Map* map) {
 
 namespace {
 
-int OctaveOf(const Observation& o, const KeyframeStore& store) {
-  return store.at(o.keyframe).features.keypoints[o.feature].octave;
+int OctaveOf(const Observation& o, const Map& map) {
+  return map.Find(o.keyframe)->seen->features.keypoints[o.feature].octave;
 }
 
 int NumPoints(const Keyframe& keyframe, const Map& map) {
@@ -70,18 +70,17 @@ double NeededObservers(int num_points, const Keyframe& keyframe, const CullingOp
                     std::pow(std::max(1.0, scarcity), options.scarcity_power));
 }
 
-bool IsRedundant(const Keyframe& keyframe, const KeyframeStore& store,
-                 const CullingOptions& options, const Map& map) {
+bool IsRedundant(const Keyframe& keyframe, const CullingOptions& options, const Map& map) {
   const int points = NumPoints(keyframe, map);
   const double needed = NeededObservers(points, keyframe, options);
   int redundant = 0;
   for (size_t i = 0; i < keyframe.points.size(); ++i) {
     const MapPoint* point = map.Find(keyframe.points[i]);
     if (!point || static_cast<double>(point->observations.size()) <= needed) continue;
-    const int octave = store.at(keyframe.id).features.keypoints[i].octave;
+    const int octave = keyframe.seen->features.keypoints[i].octave;
     int others = 0;
     for (const Observation& o : point->observations) {
-      if (o.keyframe != keyframe.id && OctaveOf(o, store) <= octave + 1) ++others;
+      if (o.keyframe != keyframe.id && OctaveOf(o, map) <= octave + 1) ++others;
       if (others >= needed) break;
     }
     redundant += others >= needed;
@@ -91,13 +90,12 @@ bool IsRedundant(const Keyframe& keyframe, const KeyframeStore& store,
 
 }  // namespace
 
-int CullKeyframes(KeyframeId id, const KeyframeStore& store, const CullingOptions& options,
-                  Map* map) {
+int CullKeyframes(KeyframeId id, const CullingOptions& options, OwnedMap* map) {
   int culled = 0;
   for (const auto& [other, shared] : map->Covisible(id, 1)) {
     const Keyframe& keyframe = *map->Find(other);
     if (!keyframe.parent.IsValid()) continue;
-    if (!IsRedundant(keyframe, store, options, *map)) continue;
+    if (!IsRedundant(keyframe, options, *map)) continue;
     map->Cull(other);
     ++culled;
   }

@@ -4,9 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/map/map.h"
+#include "core/map/owned_map.h"
 #include "core/messages/keyframe_proposal.h"
 
 namespace vpslam {
@@ -19,7 +18,7 @@ class PointProbation {
   void Add(PointId point, int keyframe_count);
   void Count(const PointSighting& sighting);
   /// Erases the points that failed; forgets those that passed. `keyframe_count`: keyframes so far.
-  void Cull(int keyframe_count, Map* map);
+  void Cull(int keyframe_count, OwnedMap* map);
 
  private:
   struct Record {
@@ -37,7 +36,7 @@ class LineProbation {
   explicit LineProbation(const LineMappingOptions& options) : options_(options) {}
 
   void Add(LineId line, int keyframe_count) { created_at_[line] = keyframe_count; }
-  void Cull(int keyframe_count, Map* map);
+  void Cull(int keyframe_count, OwnedMap* map);
 
  private:
   LineMappingOptions options_;
@@ -46,7 +45,6 @@ class LineProbation {
 
 /// Culls keyframes covisible with `keyframe` whose points are nearly all seen by enough others at
 /// the same or a finer scale (one octave is no difference). [Mur15] sec. VI-E. Returns how many.
-int CullKeyframes(KeyframeId keyframe, const KeyframeStore& store, const CullingOptions& options,
-                  Map* map);
+int CullKeyframes(KeyframeId keyframe, const CullingOptions& options, OwnedMap* map);
 
 }  // namespace vpslam

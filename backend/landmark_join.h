@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/map/map.h"
+#include "core/map/owned_map.h"
 
 namespace vpslam {
 
@@ -18,7 +18,8 @@ bool IsObservedBy(const Landmark& landmark, KeyframeId keyframe) {
 /// it has one already (`observed` lists what the keyframe observes), the two are fused, and the
 /// better known stays. Returns what stays.
 template <class Id>
-Id ObserveOrFuse(KeyframeId keyframe, const std::vector<Id>& observed, int index, Id id, Map* map) {
+Id ObserveOrFuse(KeyframeId keyframe, const std::vector<Id>& observed, int index, Id id,
+                 OwnedMap* map) {
   const Id other_id = index < static_cast<int>(observed.size()) ? observed[index] : Id();
   const auto* other = map->Find(other_id);
   if (!other) {

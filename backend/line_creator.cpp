@@ -32,9 +32,8 @@ struct View {
 
 class Creator {
  public:
-  Creator(const Camera& camera, const Camera::Bounds& bounds, const KeyframeStore& store,
-          const LineMappingOptions& options, Map* map)
-      : camera_(camera), bounds_(bounds), store_(store), options_(options), map_(map) {
+  Creator(const MappingContext& context, const LineMappingOptions& options)
+      : camera_(context.camera), bounds_(context.bounds), options_(options), map_(&context.map) {
     triangulation_.min_ray_plane_angle_rad = options.min_ray_plane_angle_deg * kRadPerDeg;
   }
 
@@ -71,7 +70,8 @@ class Creator {
   };
 
   View MakeView(KeyframeId id) const {
-    return {id, map_->Find(id)->cam_from_world, &store_.at(id).lines};
+    const Keyframe& keyframe = *map_->Find(id);
+    return {id, keyframe.cam_from_world, keyframe.seen->lines.get()};
   }
 
   std::optional<LineId> TryPair(const View& first, int32_t segment, const View& second) {
@@ -128,8 +128,9 @@ class Creator {
                               ViewSegment(b, second.cam_from_world, camera_)};
     MapLine line;
     line.axis = CommonAxis(first, a, second, b);
+    if (line.axis >= 0) line.manhattan = map_->Find(first.id)->manhattan;
     const std::optional<Eigen::Vector3d> direction =
-        line.axis >= 0 ? AxisDirection(line.axis, map_->Find(first.id)->map, *map_)
+        line.axis >= 0 ? AxisDirection(line.axis, line.manhattan, *map_)
                        : CommonDirection(first, a, second, b);
     const auto found = direction ? TriangulateLineAlong(*direction, views, triangulation_)
                                  : TriangulateLine(views[0], views[1], triangulation_);
@@ -166,8 +167,10 @@ class Creator {
 
   int CommonAxis(const View& first, const LineSegment& a, const View& second,
                  const LineSegment& b) const {
-    const int axis = AxisOf(a, *first.lines, *map_->Find(first.id), *map_);
-    return axis >= 0 && axis == AxisOf(b, *second.lines, *map_->Find(second.id), *map_) ? axis : -1;
+    const Keyframe &one = *map_->Find(first.id), &other = *map_->Find(second.id);
+    if (one.manhattan != other.manhattan) return -1;
+    const int axis = AxisOf(a, *first.lines, one, *map_);
+    return axis >= 0 && axis == AxisOf(b, *second.lines, other, *map_) ? axis : -1;
   }
 
   /// Looks for the line in the other neighbours; creates it where that is evidence enough.
@@ -194,20 +197,19 @@ class Creator {
     }
     const LineId id = map_->CreateLine(map_->Find(first.id)->map, first.id, candidate.line->start,
                                        candidate.line->end);
-    map_->SetAxis(id, candidate.line->axis);
+    map_->SetAxis(id, candidate.line->manhattan, candidate.line->axis);
     map_->Observe(first.id, segment, id);
     map_->Observe(second.id, candidate.segment, id);
     for (const auto& [keyframe, index] : others) map_->Observe(keyframe, index, id);
-    UpdateEnds(id, camera_, store_, map_);
-    UpdateDescriptor(id, store_, map_);
+    UpdateEnds(id, camera_, map_);
+    UpdateDescriptor(id, map_);
     return id;
   }
 
   const Camera& camera_;
   const Camera::Bounds& bounds_;
-  const KeyframeStore& store_;
   const LineMappingOptions& options_;
-  Map* map_;
+  OwnedMap* map_;
   LineTriangulationOptions triangulation_;
   std::vector<View> neighbours_;
   double near_depth_ = 0;  ///< that 95 % of the points exceed
@@ -217,10 +219,9 @@ class Creator {
 
 }  // namespace
 
-std::vector<LineId> CreateLines(KeyframeId id, const Camera& camera, const Camera::Bounds& bounds,
-                                const KeyframeStore& store, const LineMappingOptions& options,
-                                Map* map) {
-  return Creator(camera, bounds, store, options, map).Run(id);
+std::vector<LineId> CreateLines(const MappingContext& context, KeyframeId id,
+                                const LineMappingOptions& options) {
+  return Creator(context, options).Run(id);
 }
 
 }  // namespace vpslam

@@ -9,16 +9,13 @@
 
 #include <vector>
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/geometry/camera.h"
-#include "core/map/map.h"
+#include "backend/mapping_context.h"
 
 namespace vpslam {
 
 /// Returns the lines created, each with two or more observations.
-std::vector<LineId> CreateLines(KeyframeId keyframe, const Camera& camera,
-                                const Camera::Bounds& bounds, const KeyframeStore& store,
-                                const LineMappingOptions& options, Map* map);
+std::vector<LineId> CreateLines(const MappingContext& context, KeyframeId keyframe,
+                                const LineMappingOptions& options);
 
 }  // namespace vpslam

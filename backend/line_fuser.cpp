@@ -14,16 +14,15 @@ namespace {
 
 class Fuser {
  public:
-  Fuser(const Camera& camera, const Camera::Bounds& bounds, const KeyframeStore& store,
-        const LineMappingOptions& options, Map* map)
-      : camera_(camera), bounds_(bounds), store_(store), map_(map) {
+  Fuser(const MappingContext& context, const LineMappingOptions& options)
+      : camera_(context.camera), bounds_(context.bounds), map_(&context.map) {
     window_.max_offset_px = options.max_offset_px;
     window_.min_overlap = options.min_overlap;
     window_.max_distance = options.max_distance;
   }
 
   void FuseInto(KeyframeId keyframe_id, const std::set<LineId>& lines) {
-    const std::vector<LineSegment>& segments = store_.at(keyframe_id).lines.lines;
+    const std::vector<LineSegment>& segments = map_->Find(keyframe_id)->seen->segments();
     for (const LineId id : lines) {
       const MapLine* line = map_->Find(id);
       if (!line || IsObservedBy(*line, keyframe_id)) continue;
@@ -43,8 +42,7 @@ class Fuser {
  private:
   const Camera& camera_;
   const Camera::Bounds& bounds_;
-  const KeyframeStore& store_;
-  Map* map_;
+  OwnedMap* map_;
   LineWindow window_;
   std::set<LineId> changed_;
 };
@@ -57,9 +55,9 @@ std::set<LineId> LinesOf(const Keyframe& keyframe) {
 
 }  // namespace
 
-void FuseLines(KeyframeId id, const Camera& camera, const Camera::Bounds& bounds,
-               const KeyframeStore& store, const LineMappingOptions& options, Map* map) {
-  Fuser fuser(camera, bounds, store, options, map);
+void FuseLines(const MappingContext& context, KeyframeId id, const LineMappingOptions& options) {
+  OwnedMap* map = &context.map;
+  Fuser fuser(context, options);
   auto neighbours = map->Covisible(id, 1);
   if (static_cast<int>(neighbours.size()) > options.neighbours) {
     neighbours.resize(options.neighbours);
@@ -71,8 +69,8 @@ void FuseLines(KeyframeId id, const Camera& camera, const Camera::Bounds& bounds
   }
   fuser.FuseInto(id, candidates);
   for (const LineId line : fuser.changed()) {
-    UpdateEnds(line, camera, store, map);
-    UpdateDescriptor(line, store, map);
+    UpdateEnds(line, context.camera, map);
+    UpdateDescriptor(line, map);
   }
 }
 

@@ -2,14 +2,12 @@
 // turn out to be one are fused.
 #pragma once
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/geometry/camera.h"
-#include "core/map/map.h"
+#include "backend/mapping_context.h"
 
 namespace vpslam {
 
-void FuseLines(KeyframeId keyframe, const Camera& camera, const Camera::Bounds& bounds,
-               const KeyframeStore& store, const LineMappingOptions& options, Map* map);
+void FuseLines(const MappingContext& context, KeyframeId keyframe,
+               const LineMappingOptions& options);
 
 }  // namespace vpslam

@@ -28,28 +28,29 @@ LineView ViewSegment(const LineSegment& segment, const SE3& cam_from_world, cons
 
 int AxisOf(const LineSegment& segment, const LineSet& lines, const Keyframe& keyframe,
            const Map& map) {
-  const auto frame = map.WorldFromManhattan(keyframe.map);
-  if (!frame || segment.label < 0) return -1;
+  const ManhattanAxes* axes = map.Find(keyframe.manhattan);
+  if (!axes || segment.label < 0) return -1;
   const Eigen::Vector3d direction =
-      (keyframe.cam_from_world.rotation * *frame).conjugate() *
+      (keyframe.cam_from_world.rotation * axes->world_from_manhattan).conjugate() *
       lines.vanishing_points[static_cast<size_t>(segment.label)].direction_in_cam;
   Eigen::Index axis = 0;
   return direction.cwiseAbs().maxCoeff(&axis) > std::cos(kMaxAxisAngle_rad) ? static_cast<int>(axis)
                                                                             : -1;
 }
 
-Eigen::Vector3d AxisDirection(int axis, MapId map_id, const Map& map) {
-  return *map.WorldFromManhattan(map_id) * Eigen::Vector3d(Eigen::Vector3d::Unit(axis));
+Eigen::Vector3d AxisDirection(int axis, ManhattanId manhattan, const Map& map) {
+  return map.Find(manhattan)->world_from_manhattan * Eigen::Vector3d(Eigen::Vector3d::Unit(axis));
 }
 
-void UpdateEnds(LineId id, const Camera& camera, const KeyframeStore& store, Map* map) {
+void UpdateEnds(LineId id, const Camera& camera, OwnedMap* map) {
   const MapLine* line = map->Find(id);
   if (!line || line->observations.empty()) return;
   const Eigen::Vector3d direction = line->Direction();
   std::vector<double> from, to;
   for (const Observation& o : line->observations) {
-    const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
-    const LineView view = ViewSegment(segment, map->Find(o.keyframe)->cam_from_world, camera);
+    const Keyframe& keyframe = *map->Find(o.keyframe);
+    const LineView view =
+        ViewSegment(keyframe.seen->segments()[o.feature], keyframe.cam_from_world, camera);
     const auto a = NearestOnLine(line->start, direction, view.center, view.start_ray);
     const auto b = NearestOnLine(line->start, direction, view.center, view.end_ray);
     if (!a || !b) continue;
@@ -67,11 +68,11 @@ void UpdateEnds(LineId id, const Camera& camera, const KeyframeStore& store, Map
   map->SetEnds(id, start + from[at] * direction, start + to[at] * direction);
 }
 
-void UpdateDescriptor(LineId id, const KeyframeStore& store, Map* map) {
+void UpdateDescriptor(LineId id, OwnedMap* map) {
   const MapLine* line = map->Find(id);
   if (!line || line->observations.empty()) return;
   map->SetDescriptor(id, CentralDescriptor(line->observations, [&](const Observation& o) {
-                       return store.at(o.keyframe).lines.lines[o.feature].descriptor;
+                       return map->Find(o.keyframe)->seen->segments()[o.feature].descriptor;
                      }));
 }
 

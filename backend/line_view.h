@@ -4,28 +4,28 @@
 
 #include <optional>
 
-#include "backend/keyframe_store.h"
 #include "core/geometry/camera.h"
 #include "core/geometry/line_triangulation.h"
-#include "core/map/map.h"
+#include "core/map/owned_map.h"
 
 namespace vpslam {
 
 /// The segment as seen from a camera at `cam_from_world`.
 LineView ViewSegment(const LineSegment& segment, const SE3& cam_from_world, const Camera& camera);
 
-/// The axis of the map's Manhattan frame that the vanishing point of the segment is; -1 for none.
+/// The axis of the keyframe's Manhattan frame that the vanishing point of the segment is; -1 for
+/// none.
 int AxisOf(const LineSegment& segment, const LineSet& lines, const Keyframe& keyframe,
            const Map& map);
 
-/// Direction in world of an axis of the map's Manhattan frame, which must exist.
-Eigen::Vector3d AxisDirection(int axis, MapId map_id, const Map& map);
+/// Direction in world of an axis of a Manhattan frame, which must exist.
+Eigen::Vector3d AxisDirection(int axis, ManhattanId manhattan, const Map& map);
 
 /// Moves the ends along the line to what the observations show of it.
-void UpdateEnds(LineId line, const Camera& camera, const KeyframeStore& store, Map* map);
+void UpdateEnds(LineId line, const Camera& camera, OwnedMap* map);
 
 /// The descriptor with the least median distance to the line's others.
-void UpdateDescriptor(LineId line, const KeyframeStore& store, Map* map);
+void UpdateDescriptor(LineId line, OwnedMap* map);
 
 /// Whether the observation fits the line as it is now (chi-square of both ends).
 bool Fits(const MapLine& line, const SE3& cam_from_world, const LineSegment& segment,

@@ -49,13 +49,13 @@ class StopWhenUrgent : public ceres::IterationCallback {
 class Adjustment {
  public:
   /// `robust`: outliers may be among the observations.
-  Adjustment(const BaWindow& window, const Camera& camera, const ScalePyramid& scales,
-             const KeyframeStore& store, const ManhattanFrame& manhattan,
-             const LocalBaOptions& options, bool robust, const Map& map)
+  Adjustment(const BaWindow& window, const MappingContext& context,
+             const ManhattanFrames& manhattan, const LocalBaOptions& options, bool robust)
       : window_(window),
         options_(options),
-        camera_(camera),
-        scales_(scales),
+        camera_(context.camera),
+        scales_(context.scales),
+        map_(context.map),
         observation_loss_(robust ? &loss_ : nullptr),
         problem_(ProblemOptions()),
         ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
@@ -63,20 +63,19 @@ class Adjustment {
     keyframes.insert(window.fixed.begin(), window.fixed.end());
     pose_storage_.reserve(keyframes.size());
     for (const KeyframeId id : keyframes) {
-      pose_storage_.push_back(ToParameters(map.Find(id)->cam_from_world));
+      pose_storage_.push_back(ToParameters(map_.Find(id)->cam_from_world));
       poses_[id] = pose_storage_.back().data();
     }
     landmark_storage_.reserve(3 * window.points.size() + 6 * window.lines.size());
     positions_.reserve(window.points.size());
     for (const PointId id : window.points) {
-      if (const MapPoint* point = map.Find(id)) AddPoint(*point, store);
+      if (const MapPoint* point = map_.Find(id)) AddPoint(*point);
     }
     lines_.reserve(window.lines.size());
     for (const LineId id : window.lines) {
-      if (const MapLine* line = map.Find(id)) AddLine(*line, store, map);
+      if (const MapLine* line = map_.Find(id)) AddLine(*line);
     }
-    for (const KeyframeId id : window.moved)
-      AddRotation(*map.Find(id), store.at(id).lines, manhattan);
+    for (const KeyframeId id : window.moved) AddRotation(*map_.Find(id), manhattan);
   }
 
   BaSummary Solve(int max_iterations, const IsUrgent& is_urgent) {
@@ -113,7 +112,7 @@ class Adjustment {
     return result;
   }
 
-  void WriteBack(Map* map) const {
+  void WriteBack(OwnedMap* map) const {
     for (const KeyframeId id : window_.moved) {
       map->SetPose(id, FromParameters(poses_.at(id)));
     }
@@ -143,13 +142,13 @@ class Adjustment {
     return landmark_storage_.data() + landmark_storage_.size() - size;
   }
 
-  void AddPoint(const MapPoint& point, const KeyframeStore& store) {
+  void AddPoint(const MapPoint& point) {
     double* position = Allocate(point.position.data(), 3);
     bool used = false;
     for (const Observation& o : point.observations) {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
-      const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
+      const Keypoint& keypoint = map_.Find(o.keyframe)->seen->features.keypoints[o.feature];
       costs_.emplace_back(camera_, keypoint.Position(), CornerSqrtInformation(keypoint, scales_));
       problem_.AddResidualBlock(&costs_.back(), observation_loss_, pose->second, position);
       used = true;
@@ -160,8 +159,8 @@ class Adjustment {
   }
 
   /// Two views and no direction leave a line free to be anything: it stays out.
-  void AddLine(const MapLine& line, const KeyframeStore& store, const Map& map) {
-    const bool is_held = line.axis >= 0 && map.WorldFromManhattan(line.map).has_value();
+  void AddLine(const MapLine& line) {
+    const bool is_held = line.axis >= 0;
     if (line.observations.size() < 3 && !is_held) return;
     const LineParameters initial = ToLineParameters(line.start, line.end);
     double* parameters = Allocate(initial.data(), initial.size());
@@ -169,7 +168,7 @@ class Adjustment {
     for (const Observation& o : line.observations) {
       const auto pose = poses_.find(o.keyframe);
       if (pose == poses_.end()) continue;
-      const LineSegment& segment = store.at(o.keyframe).lines.lines[o.feature];
+      const LineSegment& segment = map_.Find(o.keyframe)->seen->segments()[o.feature];
       line_costs_.emplace_back(camera_, segment.start_px.cast<double>(),
                                segment.end_px.cast<double>(), 1 / LineSigma_px(segment.sigma_px));
       problem_.AddResidualBlock(&line_costs_.back(), observation_loss_, pose->second, parameters);
@@ -178,7 +177,7 @@ class Adjustment {
     if (!used) return;
     lines_.emplace_back(line.id, parameters);
     if (is_held) {
-      direction_costs_.emplace_back(AxisDirection(line.axis, line.map, map),
+      direction_costs_.emplace_back(AxisDirection(line.axis, line.manhattan, map_),
                                     options_.direction_sigma_deg * std::numbers::pi / 180);
       problem_.AddResidualBlock(&direction_costs_.back(), &loss_, parameters);
       held_lines_.insert(line.id);
@@ -189,21 +188,22 @@ class Adjustment {
 
   /// Segments of lines that are held to their axis already tell the rotation by that: they don't
   /// count again.
-  void AddRotation(const Keyframe& keyframe, const LineSet& lines,
-                   const ManhattanFrame& manhattan) {
-    const std::optional<ManhattanMeasurement> measured = manhattan.Find(keyframe.id);
+  void AddRotation(const Keyframe& keyframe, const ManhattanFrames& manhattan) {
+    const std::vector<LineSegment>& segments = keyframe.seen->segments();
+    const std::optional<ManhattanBinding> binding = manhattan.Find(keyframe.id);
     double* pose = poses_.at(keyframe.id);
-    if (!measured || !problem_.HasParameterBlock(pose)) return;
+    if (!binding || !problem_.HasParameterBlock(pose)) return;
     int labelled = 0, counted = 0;
-    for (size_t i = 0; i < lines.lines.size(); ++i) {
-      if (lines.lines[i].label < 0 || lines.lines[i].label > 2) continue;
+    for (size_t i = 0; i < segments.size(); ++i) {
+      if (segments[i].label < 0 || segments[i].label > 2) continue;
       ++labelled;
       counted += i < keyframe.lines.size() && held_lines_.contains(keyframe.lines[i]);
     }
     if (counted == labelled && labelled > 0) return;
     const double share = labelled > 0 ? 1.0 - static_cast<double>(counted) / labelled : 1.0;
-    const Eigen::LLT<Eigen::Matrix3d> information(share * measured->covariance_rad2.inverse());
-    rotation_costs_.emplace_back(measured->cam_from_manhattan, *manhattan.world_from_manhattan(),
+    const ManhattanMeasurement& measured = binding->measurement;
+    const Eigen::LLT<Eigen::Matrix3d> information(share * measured.covariance_rad2.inverse());
+    rotation_costs_.emplace_back(measured.cam_from_manhattan, binding->world_from_manhattan,
                                  information.matrixU());
     problem_.AddResidualBlock(&rotation_costs_.back(), &rotation_loss_, pose);
   }
@@ -212,6 +212,7 @@ class Adjustment {
   const LocalBaOptions& options_;
   const Camera& camera_;
   const ScalePyramid& scales_;
+  const Map& map_;
   Se3Manifold manifold_;
   ceres::HuberLoss loss_{std::sqrt(kChi2Dof2)};
   ceres::LossFunction* observation_loss_;  ///< nullptr: squares
@@ -235,7 +236,8 @@ class Adjustment {
 
 /// Takes observations of the window away that do not fit; `fits` takes landmark and observation.
 template <class Id, class DoesFit>
-int RemoveOutliers(const BaWindow& window, const std::set<Id>& ids, const DoesFit& fits, Map* map) {
+int RemoveOutliers(const BaWindow& window, const std::set<Id>& ids, const DoesFit& fits,
+                   OwnedMap* map) {
   std::vector<std::pair<KeyframeId, Id>> outliers;
   for (const Id id : ids) {
     const auto& landmark = *map->Find(id);
@@ -252,20 +254,22 @@ int RemoveOutliers(const BaWindow& window, const std::set<Id>& ids, const DoesFi
 
 }  // namespace
 
-BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
-                        const KeyframeStore& store, const ManhattanFrame& manhattan,
-                        const LocalBaOptions& options, int max_iterations, Map* map,
-                        const IsUrgent& is_urgent) {
+BaSummary AdjustLocally(const MappingContext& context, KeyframeId keyframe,
+                        const ManhattanFrames& manhattan, const LocalBaOptions& options,
+                        int max_iterations, const IsUrgent& is_urgent) {
+  const auto& [camera, bounds, scales, owned_map] = context;
+  OwnedMap* map = &owned_map;
   const BaWindow window = ChooseBaWindow(keyframe, options, *map);
   const auto adjust = [&](bool robust, int iterations) {
-    Adjustment adjustment(window, camera, scales, store, manhattan, options, robust, *map);
+    Adjustment adjustment(window, context, manhattan, options, robust);
     const BaSummary summary = adjustment.Solve(iterations, is_urgent);
     if (summary.usable) adjustment.WriteBack(map);
     return summary;
   };
   const auto point_fits = [&](const MapPoint& point, const Observation& o) {
-    const Keypoint& keypoint = store.at(o.keyframe).features.keypoints[o.feature];
-    const Eigen::Vector3d x = map->Find(o.keyframe)->cam_from_world * point.position;
+    const Keyframe& seen_from = *map->Find(o.keyframe);
+    const Keypoint& keypoint = seen_from.seen->features.keypoints[o.feature];
+    const Eigen::Vector3d x = seen_from.cam_from_world * point.position;
     return !(x.z() < kMinDepth || (camera.Project(x) - keypoint.Position()).squaredNorm() >
                                       kChi2Dof2 * scales.sigma2(keypoint.octave));
   };
@@ -276,9 +280,10 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
     return at->second;
   };
   const auto line_fits = [&](const MapLine& line, const Observation& o) {
-    const SE3& cam_from_world = map->Find(o.keyframe)->cam_from_world;
+    const Keyframe& seen_from = *map->Find(o.keyframe);
+    const SE3& cam_from_world = seen_from.cam_from_world;
     return !IsTooNear(line, cam_from_world, min_depth(o.keyframe)) &&
-           Fits(line, cam_from_world, store.at(o.keyframe).lines.lines[o.feature], camera);
+           Fits(line, cam_from_world, seen_from.seen->segments()[o.feature], camera);
   };
   BaSummary summary = adjust(true, max_iterations);
   if (!summary.usable) return summary;
@@ -288,8 +293,8 @@ BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePy
   if (summary.outliers > 0 && options.max_iterations_after_outliers > 0 && !is_late) {
     adjust(false, options.max_iterations_after_outliers);
   }
-  for (const PointId point : window.points) UpdateView(point, store, scales, map);
-  for (const LineId line : window.lines) UpdateEnds(line, camera, store, map);
+  for (const PointId point : window.points) UpdateView(point, scales, map);
+  for (const LineId line : window.lines) UpdateEnds(line, camera, map);
   return summary;
 }
 

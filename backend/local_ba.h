@@ -6,12 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "backend/keyframe_store.h"
-#include "backend/manhattan_frame.h"
+#include "backend/manhattan_frames.h"
 #include "backend/mapper_options.h"
-#include "core/features/scale_levels.h"
-#include "core/geometry/camera.h"
-#include "core/map/map.h"
+#include "backend/mapping_context.h"
 
 namespace vpslam {
 
@@ -36,9 +33,8 @@ using IsUrgent = std::function<bool()>;
 /// adjusts once more without them if the options say so, and updates the views of the points moved.
 /// Keyframes are held to the axes of `manhattan`. Ends after few iterations when `is_urgent`. The
 /// costs in the summary are those of the first adjustment.
-BaSummary AdjustLocally(KeyframeId keyframe, const Camera& camera, const ScalePyramid& scales,
-                        const KeyframeStore& store, const ManhattanFrame& manhattan,
-                        const LocalBaOptions& options, int max_iterations, Map* map,
-                        const IsUrgent& is_urgent = {});
+BaSummary AdjustLocally(const MappingContext& context, KeyframeId keyframe,
+                        const ManhattanFrames& manhattan, const LocalBaOptions& options,
+                        int max_iterations, const IsUrgent& is_urgent = {});
 
 }  // namespace vpslam

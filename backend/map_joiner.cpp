@@ -73,9 +73,8 @@ struct CrossCost {
 
 class Aligner {
  public:
-  Aligner(const Camera& camera, const ScalePyramid& scales, const KeyframeStore& store,
-          const Map& map)
-      : camera_(camera), scales_(scales), store_(store), map_(map) {}
+  explicit Aligner(const MappingContext& context)
+      : camera_(context.camera), scales_(context.scales), map_(context.map) {}
 
   void Add(int common, const CommonPoint& point) {
     const MapPoint &here = *map_.Find(point.here), &there = *map_.Find(point.there);
@@ -86,7 +85,7 @@ class Aligner {
   /// What the keyframe of the seam itself sees of the other map. It says where the camera stands
   /// there much better than a few common points do, which may be close to each other.
   void AddSeam(const Keyframe& keyframe, const MapSeam& seam) {
-    const std::vector<Keypoint>& keypoints = store_.at(keyframe.id).features.keypoints;
+    const std::vector<Keypoint>& keypoints = keyframe.seen->features.keypoints;
     for (const auto& [feature, id] : seam.points) {
       const MapPoint* there = map_.Find(map_.Resolve(id));
       if (!there || there->map == keyframe.map) continue;
@@ -146,15 +145,15 @@ class Aligner {
     const size_t step = ThinOutStep(observations.size(), kMaxSightings);
     for (size_t i = 0; i < observations.size(); i += step) {
       const Observation& o = observations[i];
-      const Keypoint& k = store_.at(o.keyframe).features.keypoints[o.feature];
-      sightings_.push_back({common, of_here, position, map_.Find(o.keyframe)->cam_from_world,
-                            k.Position(), 1 / scales_.sigma_px(k.octave)});
+      const Keyframe& keyframe = *map_.Find(o.keyframe);
+      const Keypoint& k = keyframe.seen->features.keypoints[o.feature];
+      sightings_.push_back({common, of_here, position, keyframe.cam_from_world, k.Position(),
+                            1 / scales_.sigma_px(k.octave)});
     }
   }
 
   const Camera& camera_;
   const ScalePyramid& scales_;
-  const KeyframeStore& store_;
   const Map& map_;
   std::vector<CrossSighting> sightings_;
 };
@@ -177,10 +176,9 @@ Sim3 FirstGuess(const Keyframe& keyframe, const SE3& cam_from_there,
 
 }  // namespace
 
-std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& seam,
-                                       const Camera& camera, const ScalePyramid& scales,
-                                       const KeyframeStore& store, const MergingOptions& options,
-                                       const Map& map) {
+std::optional<SeamAlignment> AlignSeam(const MappingContext& context, KeyframeId keyframe_id,
+                                       const MapSeam& seam, const MergingOptions& options) {
+  const Map& map = context.map;
   const Keyframe& keyframe = *map.Find(keyframe_id);
   const MapId there = map.Resolve(seam.map);
   std::vector<CommonPoint> common;
@@ -200,7 +198,7 @@ std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& se
   // Those far off would not be outvoted for good by the robust loss.
   std::vector<uint8_t> use(num_common, 1);
   for (const double sigmas : {2 * options.max_sigmas, options.max_sigmas}) {
-    Aligner aligner(camera, scales, store, map), all(camera, scales, store, map);
+    Aligner aligner(context), all(context);
     for (int i = 0; i < num_common; ++i) {
       if (use[i]) aligner.Add(i, common[i]);
       all.Add(i, common[i]);
@@ -222,22 +220,18 @@ std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe_id, const MapSeam& se
 
 MapContents ContentsOf(MapId id, const Map& map) {
   MapContents contents;
-  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
-    const Keyframe* keyframe = map.Find(KeyframeId(i));
-    if (keyframe && keyframe->map == id) contents.keyframes.push_back(keyframe->id);
-  }
-  for (int32_t i = 0; i < map.point_end(); ++i) {
-    const MapPoint* point = map.Find(PointId(i));
-    if (point && point->map == id) contents.points.push_back(point->id);
-  }
-  for (int32_t i = 0; i < map.line_end(); ++i) {
-    const MapLine* line = map.Find(LineId(i));
-    if (line && line->map == id) contents.lines.push_back(line->id);
-  }
+  const auto collect = [id](const auto& table, auto* ids) {
+    for (const auto& each : table) {
+      if (each.map == id) ids->push_back(each.id);
+    }
+  };
+  collect(map.keyframes(), &contents.keyframes);
+  collect(map.points(), &contents.points);
+  collect(map.lines(), &contents.lines);
   return contents;
 }
 
-void Transform(const MapContents& contents, const SE3& new_from_old, Map* map) {
+void Transform(const MapContents& contents, const SE3& new_from_old, OwnedMap* map) {
   const SE3 old_from_new = new_from_old.Inverse();
   for (const KeyframeId id : contents.keyframes) {
     if (const Keyframe* keyframe = map->Find(id)) {
@@ -262,7 +256,7 @@ Merger MergerOf(MapId here, MapId there, const Sim3& there_from_here) {
                       : Merger{there, here, there_from_here.Inverse()};
 }
 
-void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, Map* map) {
+void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, OwnedMap* map) {
   map->Transform(merger.from, merger.into_from);
   map->Absorb(merger.from, merger.into);
   for (const CommonPoint& c : common) {

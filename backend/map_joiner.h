@@ -10,12 +10,9 @@
 #include <optional>
 #include <vector>
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/features/scale_levels.h"
-#include "core/geometry/camera.h"
+#include "backend/mapping_context.h"
 #include "core/geometry/sim3.h"
-#include "core/map/map.h"
 #include "core/messages/keyframe_proposal.h"
 
 namespace vpslam {
@@ -32,10 +29,8 @@ struct SeamAlignment {
 };
 
 /// nullopt if too few points are common, or too few of them agree.
-std::optional<SeamAlignment> AlignSeam(KeyframeId keyframe, const MapSeam& seam,
-                                       const Camera& camera, const ScalePyramid& scales,
-                                       const KeyframeStore& store, const MergingOptions& options,
-                                       const Map& map);
+std::optional<SeamAlignment> AlignSeam(const MappingContext& context, KeyframeId keyframe,
+                                       const MapSeam& seam, const MergingOptions& options);
 
 struct Merger {
   MapId from, into;
@@ -52,12 +47,12 @@ struct MapContents {
 MapContents ContentsOf(MapId id, const Map& map);
 
 /// Moves what is left of it.
-void Transform(const MapContents& contents, const SE3& new_from_old, Map* map);
+void Transform(const MapContents& contents, const SE3& new_from_old, OwnedMap* map);
 
 /// The younger map goes into the older one.
 Merger MergerOf(MapId here, MapId there, const Sim3& there_from_here);
 
 /// Brings one map into the other's coordinates and into it, and fuses the points.
-void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, Map* map);
+void JoinMaps(const Merger& merger, const std::vector<CommonPoint>& common, OwnedMap* map);
 
 }  // namespace vpslam

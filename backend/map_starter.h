@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
+#include "backend/mapping_context.h"
 #include "core/features/scale_levels.h"
 #include "core/geometry/camera.h"
 #include "core/map/map.h"
@@ -14,8 +14,7 @@ namespace vpslam {
 
 /// Inserts both keyframes and the points, and adjusts them. The unit of length is the one that the
 /// frontend chose. Returns the points.
-std::vector<PointId> StartMap(const KeyframeProposal& first, const KeyframeProposal& second,
-                              const Camera& camera, const ScalePyramid& scales,
-                              const KeyframeStore& store, const LocalBaOptions& options, Map* map);
+std::vector<PointId> StartMap(const MappingContext& context, const KeyframeProposal& first,
+                              const KeyframeProposal& second, const LocalBaOptions& options);
 
 }  // namespace vpslam

@@ -1,15 +1,17 @@
 #include "backend/mapper.h"
 
+#include <algorithm>
+#include <deque>
 #include <map>
 #include <optional>
 
 #include "backend/culling.h"
-#include "backend/keyframe_store.h"
+#include "backend/keyframe_insertion.h"
 #include "backend/line_creator.h"
 #include "backend/line_fuser.h"
 #include "backend/line_view.h"
 #include "backend/local_ba.h"
-#include "backend/manhattan_frame.h"
+#include "backend/manhattan_frames.h"
 #include "backend/map_joiner.h"
 #include "backend/map_starter.h"
 #include "backend/point_creator.h"
@@ -17,9 +19,16 @@
 #include "backend/point_view.h"
 #include "core/base/stopwatch.h"
 #include "core/features/octave_check.h"
-#include "core/map/map.h"
+#include "core/map/owned_map.h"
 
 namespace vpslam {
+namespace {
+
+/// More than there are keyframes in what a frontend may still work with: the frames from before a
+/// loss, and those that are waiting to be placed.
+constexpr int kKeyframesToRemember = 200;
+
+}  // namespace
 
 class Mapper::Impl {
  public:
@@ -28,6 +37,7 @@ class Mapper::Impl {
         bounds_(camera.UndistortedBounds()),
         options_(options),
         scales_(options.orb.num_levels, options.orb.scale_factor, options.orb.sigma_px),
+        context_{camera_, bounds_, scales_, map_},
         live_(options),
         late_(options) {}
 
@@ -48,11 +58,14 @@ class Mapper::Impl {
         WorkIn(InPresentMap(proposal), is_urgent, &times);
         break;
     }
+    map_.Compact(VersionToForgetBefore(proposal));
     times.total_ms = total.Lap_ms();
-    return map_.TakeDeltas(proposal.id, times);
+    std::vector<MapDelta> deltas = map_.TakeDeltas(proposal.id, times);
+    versions_.push_back(map_.version());
+    return deltas;
   }
 
-  const Map& map() const { return map_; }
+  const OwnedMap& map() const { return map_; }
 
  private:
   /// Of the landmarks from keyframes that come one after the other: those of the camera as it goes,
@@ -66,6 +79,14 @@ class Mapper::Impl {
     int keyframes = 0;
   };
 
+  /// What was fused before that version is not referred to any more: by then the frontend that
+  /// proposes knew of it, and what its frames from before saw has been left behind.
+  int64_t VersionToForgetBefore(const KeyframeProposal& proposal) {
+    while (std::ssize(versions_) > kKeyframesToRemember) versions_.pop_front();
+    if (std::ssize(versions_) < kKeyframesToRemember) return 0;
+    return std::min(versions_.front(), proposal.map_version);
+  }
+
   /// Counts the keyframe.
   Probation& ProbationOf(const KeyframeProposal& proposal) {
     const bool is_late = proposal.frame_seq < newest_seq_;
@@ -75,42 +96,37 @@ class Mapper::Impl {
     return probation;
   }
 
-  void Store(const KeyframeProposal& proposal) {
-    KeyframeFeatures& stored = store_[proposal.id];
-    stored.features = proposal.features;
-    stored.grid = FeatureGrid(stored.features.keypoints, bounds_);
-    if (options_.lines.enabled) stored.lines = proposal.lines;
-    if (options_.manhattan.enabled) Manhattan(proposal.map).Add(proposal.id, proposal.lines);
+  /// Vanishing points are of use also where lines are not mapped.
+  void TakeAxes(KeyframeProposal* proposal) {
+    if (options_.manhattan.enabled) {
+      Manhattan(proposal->map).Add(proposal->id, proposal->lines);
+    }
+    if (!options_.lines.enabled) proposal->lines = LineSet();
   }
 
   void Discard(MapId id) {
-    for (int32_t i = 0; i < map_.keyframe_end(); ++i) {
-      const Keyframe* keyframe = map_.FindEvenCulled(KeyframeId(i));
-      if (keyframe && keyframe->map == id) store_.erase(keyframe->id);
-    }
     map_.EraseMap(id);
     manhattan_.erase(id);
   }
 
-  void Start(const KeyframeProposal& second) {
-    Store(*first_);
-    Store(second);
+  void Start(KeyframeProposal second) {
+    TakeAxes(&*first_);
+    TakeAxes(&second);
     live_.keyframes += 2;
     newest_seq_ = std::max(newest_seq_, second.frame_seq);
-    for (const PointId id :
-         StartMap(*first_, second, camera_, scales_, store_, options_.ba, &map_)) {
+    for (const PointId id : StartMap(context_, *first_, second, options_.ba)) {
       live_.points.Add(id, live_.keyframes);
     }
     AddLines(second.id, &live_);
   }
 
   void AddLines(KeyframeId keyframe, Probation* probation) {
-    for (const LineId id : CreateLines(keyframe, camera_, bounds_, store_, options_.lines, &map_)) {
+    for (const LineId id : CreateLines(context_, keyframe, options_.lines)) {
       probation->lines.Add(id, probation->keyframes);
     }
   }
 
-  ManhattanFrame& Manhattan(MapId map) {
+  ManhattanFrames& Manhattan(MapId map) {
     return manhattan_.try_emplace(map, options_.manhattan).first->second;
   }
 
@@ -125,10 +141,10 @@ class Mapper::Impl {
     return present;
   }
 
-  void WorkIn(const KeyframeProposal& proposal, const IsUrgent& is_urgent, MappingTimes* times) {
+  void WorkIn(KeyframeProposal proposal, const IsUrgent& is_urgent, MappingTimes* times) {
     Stopwatch stopwatch;
-    ManhattanFrame& manhattan = Manhattan(proposal.map);
-    Store(proposal);
+    ManhattanFrames& manhattan = Manhattan(proposal.map);
+    TakeAxes(&proposal);
     Insert(proposal);
     times->insertion_ms = stopwatch.Lap_ms();
 
@@ -141,49 +157,43 @@ class Mapper::Impl {
     probation.lines.Cull(probation.keyframes, &map_);
     times->feature_culling_ms = stopwatch.Lap_ms();
 
-    for (const PointId id :
-         CreatePoints(proposal.id, camera_, scales_, store_, options_.creator, &map_)) {
+    for (const PointId id : CreatePoints(context_, proposal.id, options_.creator)) {
       probation.points.Add(id, probation.keyframes);
     }
-    FusePoints(proposal.id, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+    FusePoints(context_, proposal.id, options_.fuser);
     AddLines(proposal.id, &probation);
-    FuseLines(proposal.id, camera_, bounds_, store_, options_.lines, &map_);
+    FuseLines(context_, proposal.id, options_.lines);
     SetBestParent(proposal.id);
     times->feature_creation_ms = stopwatch.Lap_ms();
 
-    manhattan.Expect(*map_.Find(proposal.id));
-    AdjustLocally(proposal.id, camera_, scales_, store_, manhattan, options_.ba,
-                  options_.ba.max_iterations, &map_, is_urgent);
-    manhattan.Update(map_);
-    map_.SetManhattan(proposal.map, manhattan.world_from_manhattan());
+    AdjustLocally(context_, proposal.id, manhattan, options_.ba, options_.ba.max_iterations,
+                  is_urgent);
+    manhattan.Update(proposal.map, &map_);
     times->local_ba_ms = stopwatch.Lap_ms();
 
-    CullKeyframes(proposal.id, store_, options_.culling, &map_);
+    CullKeyframes(proposal.id, options_.culling, &map_);
     times->keyframe_culling_ms = stopwatch.Lap_ms();
     if (proposal.seam.map.IsValid()) Join(proposal);
   }
 
   void Join(const KeyframeProposal& proposal) {
     const KeyframeId id = proposal.id;
-    const auto alignment =
-        AlignSeam(id, proposal.seam, camera_, scales_, store_, options_.merging, map_);
+    const auto alignment = AlignSeam(context_, id, proposal.seam, options_.merging);
     if (!alignment) return;
     Merger merger =
         MergerOf(map_.Find(id)->map, map_.Resolve(proposal.seam.map), alignment->there_from_here);
-    ManhattanFrame& manhattan = Manhattan(merger.into);
+    ManhattanFrames& manhattan = Manhattan(merger.into);
     const auto turn = manhattan.TurnOf(Manhattan(merger.from), merger.into_from.rotation, map_);
     if (turn && manhattan.Contradicts(*turn)) return;  // it looks like the place, but is another
     const MapContents younger = ContentsOf(merger.from, map_);
     JoinMaps(merger, alignment->points, &map_);
-    manhattan.Absorb(Manhattan(merger.from), merger.into_from.rotation);
-    manhattan_.erase(merger.from);
     std::vector<KeyframeId> around{id};
     for (const auto& [other, shared] : map_.Covisible(id, options_.ba.min_shared_points)) {
       if (static_cast<int>(around.size()) > options_.merging.neighbours_to_fuse) break;
       around.push_back(other);
     }
     for (const KeyframeId keyframe : around) {
-      FusePoints(keyframe, camera_, bounds_, scales_, store_, options_.fuser, &map_);
+      FusePoints(context_, keyframe, options_.fuser);
     }
     if (turn) {
       // What lies at the seam may be bent, one of the maps ends there; the axes are not. Adjustment
@@ -194,37 +204,41 @@ class Mapper::Impl {
       merger.into_from = Sim3{straightened.rotation, straightened.translation} * merger.into_from;
     }
     mergers_[merger.from] = merger;
-    manhattan.Update(map_);  // names
-    map_.SetManhattan(merger.into, manhattan.world_from_manhattan());
+    manhattan.Absorb(Manhattan(merger.from), merger.into_from.rotation, &map_);
+    manhattan_.erase(merger.from);
+    manhattan.Update(merger.into, &map_);
     LocalBaOptions ba = options_.ba;
     ba.max_keyframes = ba.max_fixed_keyframes = options_.merging.max_keyframes;
-    AdjustLocally(id, camera_, scales_, store_, manhattan, ba, options_.merging.max_iterations,
-                  &map_);
+    AdjustLocally(context_, id, manhattan, ba, options_.merging.max_iterations);
     SetBestParent(id);
   }
 
   void Insert(const KeyframeProposal& proposal) {
-    Keyframe keyframe;
-    keyframe.id = proposal.id;
-    keyframe.map = proposal.map;
-    keyframe.frame_seq = proposal.frame_seq;
-    keyframe.stamp_us = proposal.stamp_us;
-    keyframe.cam_from_world = proposal.cam_from_world;
-    keyframe.parent = map_.LivingAncestor(proposal.reference);
-    for (const PointId id : proposal.points) keyframe.points.push_back(map_.Resolve(id));
-    keyframe.points.resize(proposal.features.size());
+    Keyframe keyframe = ToKeyframe(proposal, map_.LivingAncestor(proposal.reference), bounds_);
+    for (size_t i = 0; i < proposal.points.size(); ++i) {
+      keyframe.points[i] = map_.Resolve(proposal.points[i]);
+    }
     if (options_.lines.enabled) {
       for (const LineId id : proposal.map_lines) keyframe.lines.push_back(map_.Resolve(id));
     }
     map_.Insert(keyframe);
+    SetAxesOf(*map_.Find(keyframe.id));
     for (const PointId id : map_.Find(keyframe.id)->points) {
       if (!id.IsValid()) continue;
-      UpdateView(id, store_, scales_, &map_);
-      UpdateDescriptor(id, store_, &map_);
+      UpdateView(id, scales_, &map_);
+      UpdateDescriptor(id, &map_);
     }
     for (const LineId id : map_.Find(keyframe.id)->lines) {
-      if (id.IsValid()) UpdateDescriptor(id, store_, &map_);
+      if (id.IsValid()) UpdateDescriptor(id, &map_);
     }
+  }
+
+  /// Of the frame whose axes it sees, or else of the one where it is.
+  void SetAxesOf(const Keyframe& keyframe) {
+    ManhattanId seen = Manhattan(keyframe.map).Expect(keyframe);
+    const Keyframe* parent = map_.Find(keyframe.parent);
+    if (!seen.IsValid() && parent) seen = parent->manhattan;
+    map_.SetManhattanOf(keyframe.id, seen);
   }
 
   /// The parent is the older keyframe that shares most: poses of what is culled hang on it.
@@ -241,11 +255,12 @@ class Mapper::Impl {
   Camera::Bounds bounds_;
   MapperOptions options_;
   ScalePyramid scales_;
-  Map map_;
-  KeyframeStore store_;
-  std::map<MapId, ManhattanFrame> manhattan_;
+  OwnedMap map_;
+  MappingContext context_;
+  std::map<MapId, ManhattanFrames> manhattan_;
   Probation live_, late_;
   int64_t newest_seq_ = -1;
+  std::deque<int64_t> versions_;     ///< of the map, after each of the latest keyframes
   std::map<MapId, Merger> mergers_;  ///< by what was merged
   std::optional<KeyframeProposal> first_;
 };

@@ -164,8 +164,9 @@ struct ManhattanOptions {
   /// The frame is born when as many keyframes in a row agree ...
   int keyframes_to_birth = 5;
   double max_birth_spread_deg = 1.5;  ///< ... each with their mean within this.
-  /// Of the last `loss_window` measurements: the frame is forgotten when fewer than half bind.
+  /// Of the last `loss_window` measurements: the frame is forgotten when fewer than half bind ...
   int loss_window = 10;
+  int keyframes_to_confirm = 20;  ///< ... unless as many keyframes belong to it: it is elsewhere
 
   template <class V>
   void Visit(V& v) {
@@ -178,6 +179,7 @@ struct ManhattanOptions {
     v("keyframes_to_birth", keyframes_to_birth);
     v("max_birth_spread_deg", max_birth_spread_deg);
     v("loss_window", loss_window);
+    v("keyframes_to_confirm", keyframes_to_confirm);
   }
 };
 

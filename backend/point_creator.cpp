@@ -66,11 +66,12 @@ bool Triangulate(const View& a, const View& b, const Camera& camera, const Scale
 
 }  // namespace
 
-std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const ScalePyramid& scales,
-                                  const KeyframeStore& store, const PointCreatorOptions& options,
-                                  Map* map) {
+std::vector<PointId> CreatePoints(const MappingContext& context, KeyframeId id,
+                                  const PointCreatorOptions& options) {
+  const auto& [camera, bounds, scales, owned_map] = context;
+  OwnedMap* map = &owned_map;
   std::vector<PointId> created;
-  const Features& features = store.at(id).features;
+  const Features& features = map->Find(id)->seen->features;
   auto neighbours = map->Covisible(id, 1);
   if (static_cast<int>(neighbours.size()) > options.neighbours) {
     neighbours.resize(options.neighbours);
@@ -86,7 +87,7 @@ std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const Sca
     const double baseline = (keyframe.Center() - neighbour.Center()).norm();
     if (baseline < options.min_baseline_per_depth * DepthQuantile(*map, neighbour_id, 0.5))
       continue;
-    const Features& neighbour_features = store.at(neighbour_id).features;
+    const Features& neighbour_features = neighbour.seen->features;
     const std::vector<int32_t> free = FreeFeatures(keyframe, features.size());
     const std::vector<int32_t> neighbour_free = FreeFeatures(neighbour, neighbour_features.size());
     const SE3 neighbour_from_keyframe =
@@ -106,8 +107,8 @@ std::vector<PointId> CreatePoints(KeyframeId id, const Camera& camera, const Sca
       const PointId point = map->CreatePoint(keyframe.map, id, position);
       map->Observe(id, match.first, point);
       map->Observe(neighbour_id, match.second, point);
-      UpdateView(point, store, scales, map);
-      UpdateDescriptor(point, store, map);
+      UpdateView(point, scales, map);
+      UpdateDescriptor(point, map);
       created.push_back(point);
     }
   }

@@ -4,17 +4,13 @@
 
 #include <vector>
 
-#include "backend/keyframe_store.h"
 #include "backend/mapper_options.h"
-#include "core/features/scale_levels.h"
-#include "core/geometry/camera.h"
-#include "core/map/map.h"
+#include "backend/mapping_context.h"
 
 namespace vpslam {
 
 /// Returns the points created, each with two observations.
-std::vector<PointId> CreatePoints(KeyframeId keyframe, const Camera& camera,
-                                  const ScalePyramid& scales, const KeyframeStore& store,
-                                  const PointCreatorOptions& options, Map* map);
+std::vector<PointId> CreatePoints(const MappingContext& context, KeyframeId keyframe,
+                                  const PointCreatorOptions& options);
 
 }  // namespace vpslam

@@ -13,46 +13,37 @@ namespace {
 
 class Fuser {
  public:
-  Fuser(const Camera& camera, const Camera::Bounds& bounds, const ScalePyramid& scales,
-        const KeyframeStore& store, const PointFuserOptions& options, Map* map)
-      : camera_(camera),
-        bounds_(bounds),
-        scales_(scales),
-        store_(store),
-        options_(options),
-        map_(map) {}
+  Fuser(const MappingContext& context, const PointFuserOptions& options)
+      : context_(context), options_(options) {}
 
   void FuseInto(KeyframeId keyframe_id, const std::vector<PointId>& points) {
-    const KeyframeFeatures& stored = store_.at(keyframe_id);
+    const auto& [camera, bounds, scales, map] = context_;
+    const FrameObservation& seen = *map.Find(keyframe_id)->seen;
     for (const PointId id : points) {
-      const MapPoint* point = map_->Find(id);
-      const Keyframe& keyframe = *map_->Find(keyframe_id);
+      const MapPoint* point = map.Find(id);
+      const Keyframe& keyframe = *map.Find(keyframe_id);
       if (!point || IsObservedBy(*point, keyframe_id)) continue;
-      const auto view = PredictView(*point, keyframe.cam_from_world, keyframe.Center(), camera_,
-                                    bounds_, scales_);
+      const auto view =
+          PredictView(*point, keyframe.cam_from_world, keyframe.Center(), camera, bounds, scales);
       if (!view) continue;
       WindowQuery query;
       query.x_px = static_cast<float>(view->px.x());
       query.y_px = static_cast<float>(view->px.y());
-      query.radius_px = static_cast<float>(options_.radius_px * scales_.scale(view->octave));
+      query.radius_px = static_cast<float>(options_.radius_px * scales.scale(view->octave));
       query.octaves = {std::max(0, view->octave - 1), view->octave + 1};
       query.max_distance = options_.max_distance;
-      query.accuracy = &scales_;
-      const auto match = BestMatchInWindow(point->descriptor, query, stored.features, stored.grid);
+      query.accuracy = &scales;
+      const auto match = BestMatchInWindow(point->descriptor, query, seen.features, seen.grid);
       if (!match) continue;
-      changed_.insert(ObserveOrFuse(keyframe_id, keyframe.points, match->index, id, map_));
+      changed_.insert(ObserveOrFuse(keyframe_id, keyframe.points, match->index, id, &map));
     }
   }
 
   const std::set<PointId>& changed() const { return changed_; }
 
  private:
-  const Camera& camera_;
-  const Camera::Bounds& bounds_;
-  const ScalePyramid& scales_;
-  const KeyframeStore& store_;
+  const MappingContext& context_;
   const PointFuserOptions& options_;
-  Map* map_;
   std::set<PointId> changed_;
 };
 
@@ -84,10 +75,9 @@ std::vector<KeyframeId> Neighbourhood(KeyframeId id, const PointFuserOptions& op
 
 }  // namespace
 
-void FusePoints(KeyframeId id, const Camera& camera, const Camera::Bounds& bounds,
-                const ScalePyramid& scales, const KeyframeStore& store,
-                const PointFuserOptions& options, Map* map) {
-  Fuser fuser(camera, bounds, scales, store, options, map);
+void FusePoints(const MappingContext& context, KeyframeId id, const PointFuserOptions& options) {
+  OwnedMap* map = &context.map;
+  Fuser fuser(context, options);
   const std::vector<KeyframeId> targets = Neighbourhood(id, options, *map);
   for (const KeyframeId target : targets) fuser.FuseInto(target, ValidPoints(*map->Find(id)));
   std::set<PointId> candidates;
@@ -96,8 +86,8 @@ void FusePoints(KeyframeId id, const Camera& camera, const Camera::Bounds& bound
   }
   fuser.FuseInto(id, {candidates.begin(), candidates.end()});
   for (const PointId point : fuser.changed()) {
-    UpdateView(point, store, scales, map);
-    UpdateDescriptor(point, store, map);
+    UpdateView(point, context.scales, map);
+    UpdateDescriptor(point, map);
   }
 }
 

@@ -4,7 +4,7 @@
 
 namespace vpslam {
 
-void UpdateView(PointId id, const KeyframeStore& store, const ScalePyramid& scales, Map* map) {
+void UpdateView(PointId id, const ScalePyramid& scales, OwnedMap* map) {
   const MapPoint* point = map->Find(id);
   if (!point || point->observations.empty()) return;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
@@ -13,17 +13,18 @@ void UpdateView(PointId id, const KeyframeStore& store, const ScalePyramid& scal
     normal += (map->Find(o.keyframe)->Center() - point->position).normalized();
     if (o.keyframe == point->reference) reference = &o;
   }
-  const double distance = (map->Find(reference->keyframe)->Center() - point->position).norm();
-  const int octave = store.at(reference->keyframe).features.keypoints[reference->feature].octave;
+  const Keyframe& seen_from = *map->Find(reference->keyframe);
+  const double distance = (seen_from.Center() - point->position).norm();
+  const int octave = seen_from.seen->features.keypoints[reference->feature].octave;
   const double max_distance = scales.MaxDistance(distance, octave);
   map->SetView(id, normal.normalized(), max_distance);
 }
 
-void UpdateDescriptor(PointId id, const KeyframeStore& store, Map* map) {
+void UpdateDescriptor(PointId id, OwnedMap* map) {
   const MapPoint* point = map->Find(id);
   if (!point || point->observations.empty()) return;
   map->SetDescriptor(id, CentralDescriptor(point->observations, [&](const Observation& o) {
-                       return store.at(o.keyframe).features.descriptors[o.feature];
+                       return map->Find(o.keyframe)->seen->features.descriptors[o.feature];
                      }));
 }
 

@@ -6,6 +6,7 @@
 #include "core/estimation/point_residual.h"
 #include "core/features/corner_accuracy.h"
 #include "core/features/matcher.h"
+#include "core/map/votes.h"
 
 namespace vpslam {
 namespace {
@@ -39,14 +40,14 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, const SE3&
   const std::vector<PointId>& last_points = last.placement.points();
   std::vector<uint8_t> taken(seen.num_features(), 0);
   // Two features of the last frame may show one point by now: theirs were fused since.
-  std::vector<uint8_t> found(context.map.point_end(), 0);
+  Marks found(context.map.points());
   std::vector<float> last_angles_rad;
   std::vector<int> matched;
   for (size_t i = 0; i < last_points.size(); ++i) {
     if (!last_points[i].IsValid()) continue;
     const PointId id = context.map.Resolve(last_points[i]);
     const MapPoint* point = context.map.Find(id);
-    if (!point || found[id.value]) continue;
+    if (!point || found.Contains(id)) continue;
     const Eigen::Vector3d x = cam_from_world * point->position;
     if (x.z() < kMinDepth) continue;
     const Eigen::Vector2d px = context.camera.Project(x);
@@ -61,7 +62,7 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, const SE3&
     const auto match = BestMatchInWindow(point->descriptor, query, seen.features, seen.grid, taken);
     if (!match || !frame->placement.Match(match->index, *point)) continue;
     taken[match->index] = 1;
-    found[id.value] = 1;
+    found.Insert(id);
     last_angles_rad.push_back(last_keypoint.angle_rad);
     matched.push_back(match->index);
   }

@@ -39,7 +39,7 @@ class LateTracker {
   int frames_since_keyframe() const { return walks_.front().frames_since_keyframe; }
   /// Whether that keyframe is still on its way into the map.
   bool Waits(const Map& map) const {
-    return Busy() && walks_.front().last.placement.reference.value >= map.keyframe_end();
+    return Busy() && walks_.front().last.placement.reference > map.latest_keyframe();
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "core/features/matcher.h"
 #include "core/map/visibility.h"
+#include "core/map/votes.h"
 
 namespace vpslam {
 namespace {
@@ -16,50 +17,40 @@ constexpr double kFrontalCosine = 0.998;
 
 LocalMap CollectLocalMap(const Map& map, const Frame& frame, const LocalMapOptions& options) {
   LocalMap local;
-  std::vector<int> votes(map.keyframe_end(), 0);
+  Votes votes(map.keyframes());
   for (const PointId id : frame.placement.points()) {
     const MapPoint* point = map.Find(id);
     if (!point) continue;
-    for (const Observation& o : point->observations) ++votes[o.keyframe.value];
+    for (const Observation& o : point->observations) votes.Add(o.keyframe);
   }
   for (const LineId id : frame.placement.lines()) {
     const MapLine* line = map.Find(id);
     if (!line) continue;
-    for (const Observation& o : line->observations) ++votes[o.keyframe.value];
+    for (const Observation& o : line->observations) votes.Add(o.keyframe);
   }
-  std::vector<uint8_t> chosen(votes.size(), 0);
-  std::vector<KeyframeId> voted;
-  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
-    if (votes[i] > 0 && map.Find(KeyframeId(i))) voted.emplace_back(i);
-  }
-  std::stable_sort(voted.begin(), voted.end(),
-                   [&](KeyframeId a, KeyframeId b) { return votes[a.value] > votes[b.value]; });
+  const std::vector<std::pair<KeyframeId, int>> voted = votes.Ranked();
+  Marks chosen(map.keyframes());
   const auto add = [&](KeyframeId id) {
     if (static_cast<int>(local.keyframes.size()) >= options.max_keyframes) return;
-    if (chosen[id.value]) return;
-    chosen[id.value] = 1;
-    local.keyframes.push_back(id);
+    if (chosen.Insert(id)) local.keyframes.push_back(id);
   };
-  for (const KeyframeId id : voted) add(id);
+  for (const auto& [id, count] : voted) add(id);
   if (!voted.empty()) {
-    local.reference = voted.front();
+    local.reference = voted.front().first;
     // Neighbours of the best few: their points come into view next.
     const size_t num_roots = std::min<size_t>(voted.size(), 5);
     for (size_t i = 0; i < num_roots; ++i) {
-      const auto covisible = map.Covisible(voted[i], 15);
+      const KeyframeId root = voted[i].first;
+      const auto covisible = map.Covisible(root, 15);
       const size_t n = std::min<size_t>(covisible.size(), options.neighbours);
       for (size_t k = 0; k < n; ++k) add(covisible[k].first);
-      const KeyframeId parent = map.Find(voted[i])->parent;
-      if (map.Find(parent)) add(parent);
+      add(map.Find(root)->parent);
     }
   }
-  std::vector<uint8_t> seen(map.point_end(), 0);
+  Marks seen(map.points());
   for (const KeyframeId id : local.keyframes) {
     for (const PointId point : map.Find(id)->points) {
-      if (point.IsValid() && !seen[point.value]) {
-        seen[point.value] = 1;
-        local.points.push_back(point);
-      }
+      if (seen.Insert(point)) local.points.push_back(point);
     }
   }
   std::sort(local.points.begin(), local.points.end());
@@ -79,11 +70,11 @@ int MatchLocalMap(const TrackingContext& context, const LocalMap& local,
   const FrameObservation& seen = *frame->seen;
   const std::vector<PointId>& points = frame->placement.points();
   std::vector<uint8_t> taken(seen.num_features(), 0);
-  std::vector<uint8_t> matched(context.map.point_end(), 0);
+  Marks matched(context.map.points());
   for (size_t i = 0; i < points.size(); ++i) {
     if (!points[i].IsValid()) continue;
     taken[i] = 1;
-    matched[points[i].value] = 1;
+    matched.Insert(points[i]);
     visible->push_back(points[i]);
   }
   const SE3& cam_from_world = frame->placement.cam_from_world;
@@ -91,7 +82,7 @@ int MatchLocalMap(const TrackingContext& context, const LocalMap& local,
   int count = 0;
   for (const PointId id : local.points) {
     const MapPoint* point = context.map.Find(id);
-    if (!point || matched[id.value]) continue;
+    if (!point || matched.Contains(id)) continue;
     const auto view =
         PredictView(*point, cam_from_world, center, context.camera, context.bounds, context.scales);
     if (!view) continue;

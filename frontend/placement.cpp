@@ -30,13 +30,14 @@ void Placement::BecomeKeyframe(KeyframeId id) {
 bool Placement::Follow(const Map& map, const FrameObservation& seen, SE3* velocity) {
   map_ = map.Resolve(map_);
   if (!map.Place(reference, cam_from_reference, &cam_from_world)) return false;
-  const Keyframe& keyframe = *map.FindEvenCulled(reference);
-  if (velocity) velocity->translation *= keyframe.unit / unit;
-  unit = keyframe.unit;
-  if (!keyframe.culled && keyframe.frame_seq == seen.frame_seq) {
-    points_ = keyframe.points;
+  const KeyframeNode& node = *map.FindEvenCulled(reference);
+  if (velocity) velocity->translation *= node.unit / unit;
+  unit = node.unit;
+  const Keyframe* keyframe = map.Find(reference);
+  if (keyframe && keyframe->frame_seq == seen.frame_seq) {
+    points_ = keyframe->points;
     points_.resize(seen.num_features());
-    lines_ = keyframe.lines;
+    lines_ = keyframe->lines;
     lines_.resize(seen.num_segments());
   }
   return true;

@@ -1,6 +1,7 @@
 #include "frontend/pose_tracker.h"
 
 #include "core/base/stopwatch.h"
+#include "core/geometry/so3.h"
 #include "frontend/line_tracking.h"
 
 namespace vpslam {
@@ -53,13 +54,19 @@ bool PoseTracker::TrackLocalMap(std::mt19937_64& rng, Frame* frame, LocalMap* lo
 }
 
 std::optional<RotationMeasurement> PoseTracker::MeasuredRotation(const Frame& frame) const {
-  const auto world_from_manhattan = context_.map.WorldFromManhattan(frame.placement.map());
-  if (options_.rotation.mode != RotationMode::kFused || !frame.seen->lines ||
-      !world_from_manhattan) {
-    return std::nullopt;
+  std::optional<RotationMeasurement> nearest;
+  if (options_.rotation.mode != RotationMode::kFused || !frame.seen->lines) return nearest;
+  const Eigen::Quaterniond& predicted = frame.placement.cam_from_world.rotation;
+  for (const ManhattanAxes& axes : context_.map.ManhattanFrames(frame.placement.map())) {
+    const std::optional<RotationMeasurement> measured = MeasureRotation(
+        *frame.seen->lines, axes.world_from_manhattan, predicted, options_.rotation);
+    if (!measured) continue;
+    if (!nearest || AngleBetween_rad(measured->cam_from_world, predicted) <
+                        AngleBetween_rad(nearest->cam_from_world, predicted)) {
+      nearest = measured;
+    }
   }
-  return MeasureRotation(*frame.seen->lines, *world_from_manhattan,
-                         frame.placement.cam_from_world.rotation, options_.rotation);
+  return nearest;
 }
 
 void PoseTracker::Overwrite(std::mt19937_64& rng, Frame* frame) {

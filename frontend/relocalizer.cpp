@@ -6,6 +6,7 @@
 
 #include "core/features/matcher.h"
 #include "core/geometry/pnp.h"
+#include "core/map/votes.h"
 #include "frontend/local_map.h"
 
 namespace vpslam {
@@ -21,13 +22,13 @@ int MatchPlace(const TrackingContext& context, KeyframeId keyframe_id, int neigh
     if (static_cast<int>(keyframes.size()) > neighbours) break;
     keyframes.push_back(other);
   }
-  std::vector<uint8_t> seen(context.map.point_end(), 0);
+  Marks seen(context.map.points());
   std::vector<const MapPoint*> points;
   std::vector<Descriptor> descriptors;
   for (const KeyframeId id : keyframes) {
     for (const PointId point_id : context.map.Find(id)->points) {
       const MapPoint* point = context.map.Find(point_id);
-      if (!point || std::exchange(seen[point_id.value], 1)) continue;
+      if (!point || !seen.Insert(point_id)) continue;
       points.push_back(point);
       descriptors.push_back(point->descriptor);
     }

@@ -9,7 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/features/octave_check.h"
 #include "core/features/orb_extractor.h"
-#include "core/map/map.h"
+#include "core/map/map_replica.h"
 #include "frontend/frame.h"
 #include "frontend/frame_tracking.h"
 #include "frontend/initializer.h"
@@ -73,13 +73,13 @@ class Tracker::Impl {
       TrackInMap(std::move(frame), &output);
     }
     proposed_live_ = output.keyframes.size();
-    return output;
+    return SayVersion(std::move(output));
   }
 
   TrackerOutput TrackLate() {
     TrackerOutput output;
     for (int i = 0; i < options_.late_frames_per_frame; ++i) PlaceLateFrame(&output, true);
-    return output;
+    return SayVersion(std::move(output));
   }
 
   bool Apply(const MapDelta& delta) { return map_.Apply(delta); }
@@ -106,7 +106,12 @@ class Tracker::Impl {
   }
 
  private:
-  bool HasToTakeMapOver() const { return next_keyframe_ == 0 && map_.keyframe_end() > 0; }
+  /// The backend forgets what became of old landmarks once all know of it.
+  TrackerOutput SayVersion(TrackerOutput output) const {
+    for (KeyframeProposal& keyframe : output.keyframes) keyframe.map_version = map_.version();
+    return output;
+  }
+  bool HasToTakeMapOver() const { return next_keyframe_ == 0 && map_.latest_session() >= session_; }
 
   Frame MakeFrame(FrameFeatures features) {
     Stopwatch stopwatch;
@@ -138,7 +143,7 @@ class Tracker::Impl {
       output->poses.push_back(ToPose(frame, state_));
       return;
     }
-    map_id_ = MapId(next_map_++);
+    map_id_ = MapId(session_, next_map_++);
     first_ = initial->first;
     first_.PlaceIn(map_id_, SE3());
     frame.PlaceIn(map_id_, initial->second_from_first);
@@ -205,8 +210,7 @@ class Tracker::Impl {
 
   /// Another frontend made the map that is there already: this one was started late, or again.
   void TakeMapOver() {
-    next_keyframe_ = map_.keyframe_end();
-    next_map_ = map_.map_end();
+    session_ = map_.latest_session() + 1;
     map_id_ = map_.Maps().empty() ? MapId() : map_.Maps().back();
     state_ = map_id_.IsValid() ? TrackingState::kLost : TrackingState::kInitialising;
     frames_lost_ = 0;
@@ -336,7 +340,7 @@ class Tracker::Impl {
     if (is_keyframe) output->poses.back().keyframe = frame->placement.reference;
   }
 
-  KeyframeId NextKeyframeId() { return KeyframeId(next_keyframe_++); }
+  KeyframeId NextKeyframeId() { return KeyframeId(session_, next_keyframe_++); }
 
   FramePose ToPose(const Frame& frame, TrackingState state) const {
     FramePose pose;
@@ -361,7 +365,7 @@ class Tracker::Impl {
   TrackerOptions options_;
   OrbExtractor extractor_, starting_extractor_;
   ScalePyramid scales_;
-  Map map_;  ///< the replica
+  MapReplica map_;  ///< the replica
   TrackingContext context_;
   Initializer initializer_;
   LateTracker late_;
@@ -377,7 +381,8 @@ class Tracker::Impl {
   MapId discarded_map_;        ///< to be told to the backend with the next keyframe
   bool on_probation_ = false;  ///< the map is young: it may have been started wrongly
   int frames_lost_ = 0;
-  int32_t next_map_ = 0, next_keyframe_ = 0;
+  int32_t session_ = 0;  ///< of the ids that are given here
+  int64_t next_map_ = 0, next_keyframe_ = 0;
   int frames_since_keyframe_ = 0;
   int unanswered_ = 0;
   size_t proposed_live_ = 0;     ///< keyframes, by the last call to Track

@@ -18,25 +18,22 @@ void AppendVertex(const Eigen::Vector3d& x, const char* colour, std::string* tex
 std::string MapPly(const Map& map, MapId map_id) {
   std::string vertices;
   int count = 0;
-  for (int32_t i = 0; i < map.point_end(); ++i) {
-    const MapPoint* point = map.Find(PointId(i));
-    if (!point || point->map != map_id) continue;
-    AppendVertex(point->position, "160 160 160", &vertices);
+  for (const MapPoint& point : map.points()) {
+    if (point.map != map_id) continue;
+    AppendVertex(point.position, "160 160 160", &vertices);
     ++count;
   }
-  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
-    const Keyframe* keyframe = map.Find(KeyframeId(i));
-    if (!keyframe || keyframe->map != map_id) continue;
-    AppendVertex(keyframe->Center(), "220 40 40", &vertices);
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.map != map_id) continue;
+    AppendVertex(keyframe.Center(), "220 40 40", &vertices);
     ++count;
   }
   std::string edges;
   int num_edges = 0;
-  for (int32_t i = 0; i < map.line_end(); ++i) {
-    const MapLine* line = map.Find(LineId(i));
-    if (!line || line->map != map_id) continue;
-    AppendVertex(line->start, "40 80 220", &vertices);
-    AppendVertex(line->end, "40 80 220", &vertices);
+  for (const MapLine& line : map.lines()) {
+    if (line.map != map_id) continue;
+    AppendVertex(line.start, "40 80 220", &vertices);
+    AppendVertex(line.end, "40 80 220", &vertices);
     fmt::format_to(std::back_inserter(edges), "{} {}\n", count, count + 1);
     count += 2;
     ++num_edges;

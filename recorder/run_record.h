@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/map/map.h"
+#include "core/map/map_replica.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/preview.h"
@@ -69,7 +69,7 @@ class RunRecord {
   std::map<int64_t, FrameRecord> frames_;
   std::map<KeyframeId, KeyframeRecord> keyframes_;
   std::map<KeyframeId, Origin> origins_;  ///< also of keyframes whose map was erased since
-  Map map_;
+  MapReplica map_;
   Preview preview_;
   std::map<std::pair<std::string, int32_t>, ProcessStatus> processes_;
 };

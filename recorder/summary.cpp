@@ -104,26 +104,15 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
   cpu["total"] = per_frame(total_s);
   for (const auto& [name, mb] : rss_mb) rss[name] = Rounded(mb);
 
-  std::set<MapId> maps;
-  int keyframes = 0, points = 0, lines = 0;
-  for (int32_t i = 0; i < run.map().keyframe_end(); ++i) {
-    const Keyframe* keyframe = run.map().Find(KeyframeId(i));
-    if (!keyframe) continue;
-    ++keyframes;
-    maps.insert(keyframe->map);
-  }
-  for (int32_t i = 0; i < run.map().point_end(); ++i) points += run.map().Find(PointId(i)) ? 1 : 0;
-  for (int32_t i = 0; i < run.map().line_end(); ++i) lines += run.map().Find(LineId(i)) ? 1 : 0;
-
   Json summary = {{"frames", Frames(run)},
                   {"latency_ms", Latency(run)},
                   {"cpu_ms_per_frame", cpu},
                   {"messages", Messages(run)},
                   {"stages_ms", StageMedians(run)},
-                  {"maps", maps.size()},
-                  {"keyframes", keyframes},
-                  {"points", points},
-                  {"lines", lines},
+                  {"maps", run.map().Maps().size()},
+                  {"keyframes", run.map().keyframes().size()},
+                  {"points", run.map().points().size()},
+                  {"lines", run.map().lines().size()},
                   {"wall_s", Rounded(run.wall_s())},
                   {"peak_rss_mb", rss},
                   {"options", info.options},

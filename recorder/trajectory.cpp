@@ -57,21 +57,18 @@ std::vector<StampedPose> LiveTrajectory(const RunRecord& run) {
 MapId MainMap(const RunRecord& run) {
   const std::vector<MapTrajectory> trajectories = FinalTrajectories(run);
   if (!trajectories.empty()) return trajectories.front().map;
-  std::map<MapId, int> keyframes;
-  for (int32_t i = 0; i < run.map().keyframe_end(); ++i) {
-    if (const Keyframe* keyframe = run.map().Find(KeyframeId(i))) ++keyframes[keyframe->map];
-  }
-  const auto most = std::max_element(keyframes.begin(), keyframes.end(),
-                                     [](auto& a, auto& b) { return a.second < b.second; });
-  return most == keyframes.end() ? MapId() : most->first;
+  const std::vector<MapId> maps = run.map().Maps();
+  const auto most = std::max_element(maps.begin(), maps.end(), [&run](MapId a, MapId b) {
+    return run.map().NumKeyframes(a) < run.map().NumKeyframes(b);
+  });
+  return most == maps.end() ? MapId() : *most;
 }
 
 std::vector<StampedPose> KeyframeTrajectory(const Map& map, MapId map_id) {
   std::vector<StampedPose> poses;
-  for (int32_t i = 0; i < map.keyframe_end(); ++i) {
-    const Keyframe* keyframe = map.Find(KeyframeId(i));
-    if (!keyframe || keyframe->map != map_id) continue;
-    poses.push_back({keyframe->stamp_us, keyframe->cam_from_world.Inverse()});
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.map != map_id) continue;
+    poses.push_back({keyframe.stamp_us, keyframe.cam_from_world.Inverse()});
   }
   // Late ones come after those of later times, and a frame that ties two maps may be one of both.
   std::stable_sort(poses.begin(), poses.end(), [](const StampedPose& a, const StampedPose& b) {

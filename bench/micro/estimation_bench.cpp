@@ -34,14 +34,14 @@ void AdjustScene(benchmark::State& state, bool with_lines) {
   const MapScene scene = MakeMapScene(2 * options.max_keyframes, with_lines);
   const OrbOptions orb;
   const ScalePyramid scales(orb.num_levels, orb.scale_factor, orb.sigma_px);
-  const ManhattanFrame no_axes{ManhattanOptions()};
+  const ManhattanFrames no_axes{ManhattanOptions()};
   BaSummary summary;
   for (auto _ : state) {
     state.PauseTiming();
-    Map map = scene.map;
+    OwnedMap map = scene.map;
+    const MappingContext context{scene.camera, scene.bounds, scales, map};
     state.ResumeTiming();
-    summary = AdjustLocally(scene.last, scene.camera, scales, scene.store, no_axes, options,
-                            options.max_iterations, &map);
+    summary = AdjustLocally(context, scene.last, no_axes, options, options.max_iterations);
   }
   state.counters["keyframes"] = summary.keyframes;
   state.counters["points"] = summary.points;

@@ -66,7 +66,7 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
   Random random;
   MapScene scene;
   scene.camera = SceneCamera();
-  const Camera::Bounds bounds = scene.camera.UndistortedBounds();
+  const Camera::Bounds bounds = scene.bounds = scene.camera.UndistortedBounds();
   const double length_m = kStep_m * num_keyframes;
   std::vector<Eigen::Vector3d> points;
   std::vector<PointId> ids;
@@ -86,7 +86,8 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
   const Eigen::Vector3d down(0, kLength_m, 0);
   for (int k = 0; k < num_keyframes; ++k) {
     const SE3 cam_from_world(Eigen::Quaterniond::Identity(), {-kStep_m * k, 0, 0});
-    KeyframeFeatures kept;
+    Features features;
+    LineSet lines;
     std::vector<size_t> seen;
     for (size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector2d px =
@@ -95,8 +96,8 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
       Keypoint keypoint;
       keypoint.x_px = static_cast<float>(px.x());
       keypoint.y_px = static_cast<float>(px.y());
-      kept.features.keypoints.push_back(keypoint);
-      kept.features.descriptors.push_back(random.Bits());
+      features.keypoints.push_back(keypoint);
+      features.descriptors.push_back(random.Bits());
       seen.push_back(i);
     }
     std::vector<size_t> seen_lines;
@@ -110,10 +111,9 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
       segment.start_px = start.cast<float>();
       segment.end_px = end.cast<float>();
       segment.sigma_px = kNoise_px;
-      kept.lines.lines.push_back(segment);
+      lines.lines.push_back(segment);
       seen_lines.push_back(i);
     }
-    kept.grid = FeatureGrid(kept.features.keypoints, bounds);
     Keyframe keyframe;
     keyframe.id = scene.last = KeyframeId(k);
     keyframe.map = MapId(0);
@@ -122,13 +122,15 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
     if (k > 1) keyframe.cam_from_world.translation += random.Gauss3(kError_m);
     keyframe.points.resize(seen.size());
     keyframe.lines.resize(seen_lines.size());
+    keyframe.seen = FrameObservation::Make(k, 0, features, bounds,
+                                           std::make_shared<const LineSet>(std::move(lines)));
     scene.map.Insert(keyframe);
     for (size_t f = 0; f < seen.size(); ++f) {
       PointId& id = ids[seen[f]];
       if (!id.IsValid()) {
         id =
             scene.map.CreatePoint(MapId(0), keyframe.id, points[seen[f]] + random.Gauss3(kError_m));
-        scene.map.SetDescriptor(id, kept.features.descriptors[f]);
+        scene.map.SetDescriptor(id, features.descriptors[f]);
         scene.map.SetView(id, Eigen::Vector3d::UnitZ(), kFar_m);
       }
       scene.map.Observe(keyframe.id, static_cast<int32_t>(f), id);
@@ -142,7 +144,6 @@ MapScene MakeMapScene(int num_keyframes, bool with_lines) {
       }
       scene.map.Observe(keyframe.id, static_cast<int32_t>(f), id);
     }
-    scene.store[keyframe.id] = std::move(kept);
   }
   return scene;
 }

@@ -5,10 +5,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "backend/keyframe_store.h"
 #include "core/estimation/pose_optimizer.h"
 #include "core/geometry/camera.h"
-#include "core/map/map.h"
+#include "core/map/owned_map.h"
 
 namespace vpslam {
 
@@ -23,8 +22,8 @@ const SimulatedImages& Images();
 
 struct MapScene {
   Camera camera;
-  Map map;
-  KeyframeStore store;
+  Camera::Bounds bounds;
+  OwnedMap map;
   KeyframeId last;
 };
 

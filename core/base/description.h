@@ -85,7 +85,6 @@ inline constexpr Within kLength{0, kMaxLength};
 inline constexpr Within kCoordinate{-kMaxLength, kMaxLength};
 inline constexpr Within kPixel{-1e6, 1e6};        ///< may lie far outside the image
 inline constexpr double kUnitTolerance = 1e-3;    ///< of norms
-inline constexpr int32_t kMaxId = 1 << 24;        ///< ids are indices of what grows to hold them
 inline constexpr int32_t kMaxElements = 1 << 16;  ///< of an array, except for arrays of bytes
 inline constexpr Between kFeatureIndex{0, kMaxElements - 1};
 
@@ -130,7 +129,7 @@ template <class T>
 concept IsMatrix = std::derived_from<T, Eigen::MatrixBase<std::remove_const_t<T>>>;
 
 /// Calls f(scalar) for each number of a leaf in the order in which they travel: rotations as w, x,
-/// y, z, matrices row by row, ids and enumerations as int32_t. f may change them if T is not const.
+/// y, z, matrices row by row, ids as int64_t, enumerations as int32_t. f may change them if T is not const.
 template <class T, class F>
 void ForEachScalar(T& value, F&& f) {
   using Value = std::remove_const_t<T>;

@@ -1,13 +1,16 @@
 #include "core/map/map.h"
 
 #include <algorithm>
-#include <map>
-#include <type_traits>
 
 namespace vpslam {
 namespace {
 
 constexpr int kMaxTreeDepth = 1'000'000;  // a cycle among parents would be a bug: end it anyway
+
+SE3 Scaled(SE3 pose, double scale) {
+  pose.translation *= scale;
+  return pose;
+}
 
 std::vector<Observation>::iterator LowerBound(std::vector<Observation>& observations,
                                               KeyframeId keyframe) {
@@ -15,368 +18,305 @@ std::vector<Observation>::iterator LowerBound(std::vector<Observation>& observat
                           [](const Observation& o, KeyframeId id) { return o.keyframe < id; });
 }
 
-template <class Landmarks, class Id>
-auto* FindLiving(Landmarks& landmarks, Id id) {
-  using Landmark = std::remove_reference_t<decltype(landmarks[0])>;
-  if (id.value < 0 || id.value >= static_cast<int32_t>(landmarks.size())) {
-    return static_cast<Landmark*>(nullptr);
-  }
-  Landmark& landmark = landmarks[id.value];
-  return landmark.id.IsValid() && !landmark.erased ? &landmark : nullptr;
-}
-
-template <class Landmarks, class Id>
-Id ResolveAmong(const Landmarks& landmarks, Id id) {
-  for (int i = 0; i < kMaxTreeDepth; ++i) {
-    if (id.value < 0 || id.value >= static_cast<int32_t>(landmarks.size())) return {};
-    if (!landmarks[id.value].id.IsValid()) return {};
-    if (!landmarks[id.value].erased) return id;
-    id = landmarks[id.value].replacement;
+template <class Table, class Id>
+Id ResolveAmong(const Table& living, const std::map<Id, Id>& forwards, Id id) {
+  for (size_t i = 0; i <= forwards.size(); ++i) {
+    if (living.Find(id)) return id;
+    const auto at = forwards.find(id);
+    if (at == forwards.end()) return {};
+    id = at->second;
   }
   return {};
-}
-
-template <class Landmarks>
-int CountIn(const Landmarks& landmarks, MapId map) {
-  return static_cast<int>(
-      std::count_if(landmarks.begin(), landmarks.end(), [map](const auto& landmark) {
-        return landmark.id.IsValid() && !landmark.erased && landmark.map == map;
-      }));
 }
 
 }  // namespace
 
 // ---- Reading ----
 
-const MapPoint* Map::Find(PointId id) const { return FindLiving(points_, id); }
-const MapLine* Map::Find(LineId id) const { return FindLiving(lines_, id); }
-PointId Map::Resolve(PointId id) const { return ResolveAmong(points_, id); }
-LineId Map::Resolve(LineId id) const { return ResolveAmong(lines_, id); }
+PointId Map::Resolve(PointId id) const { return ResolveAmong(points_, point_forwards_, id); }
+LineId Map::Resolve(LineId id) const { return ResolveAmong(lines_, line_forwards_, id); }
 
-const Keyframe* Map::FindEvenCulled(KeyframeId id) const {
-  if (id.value < 0 || id.value >= keyframe_end()) return nullptr;
-  const Keyframe& keyframe = keyframes_[id.value];
-  return keyframe.id.IsValid() ? &keyframe : nullptr;
+MapId Map::Resolve(MapId id) const {
+  // Maps that joined each other would be a bug: end it anyway.
+  for (size_t i = 0; i < merged_maps_.size(); ++i) {
+    const auto at = merged_maps_.find(id);
+    if (at == merged_maps_.end()) break;
+    id = at->second;
+  }
+  return id;
 }
 
-const Keyframe* Map::Find(KeyframeId id) const {
-  const Keyframe* keyframe = FindEvenCulled(id);
-  return keyframe && !keyframe->culled ? keyframe : nullptr;
+const KeyframeNode* Map::FindEvenCulled(KeyframeId id) const {
+  if (const Keyframe* keyframe = keyframes_.Find(id)) return keyframe;
+  return culled_.Find(id);
 }
 
 bool Map::CamFromWorld(KeyframeId id, SE3* cam_from_world) const {
   SE3 cam_from_ancestor;
   for (int i = 0; i < kMaxTreeDepth; ++i) {
-    const Keyframe* keyframe = FindEvenCulled(id);
-    if (!keyframe) return false;
-    if (!keyframe->culled) {
+    if (const Keyframe* keyframe = keyframes_.Find(id)) {
       *cam_from_world = cam_from_ancestor * keyframe->cam_from_world;
       return true;
     }
-    cam_from_ancestor = cam_from_ancestor * keyframe->cam_from_parent;
-    id = keyframe->parent;
+    const KeyframeNode* culled = culled_.Find(id);
+    if (!culled) return false;
+    cam_from_ancestor = cam_from_ancestor * culled->cam_from_parent;
+    id = culled->parent;
   }
   return false;
 }
 
+bool Map::Place(KeyframeId reference, const SE3& cam_from_reference, SE3* cam_from_world) const {
+  SE3 reference_from_world;
+  if (!CamFromWorld(reference, &reference_from_world)) return false;
+  *cam_from_world =
+      Scaled(cam_from_reference, FindEvenCulled(reference)->unit) * reference_from_world;
+  return true;
+}
+
+bool Map::Hang(KeyframeId reference, const SE3& cam_from_world, SE3* cam_from_reference) const {
+  SE3 reference_from_world;
+  if (!CamFromWorld(reference, &reference_from_world)) return false;
+  *cam_from_reference =
+      Scaled(cam_from_world * reference_from_world.Inverse(), 1 / FindEvenCulled(reference)->unit);
+  return true;
+}
+
 KeyframeId Map::LivingAncestor(KeyframeId id) const {
   for (int i = 0; i < kMaxTreeDepth; ++i) {
-    const Keyframe* keyframe = FindEvenCulled(id);
-    if (!keyframe || !keyframe->culled) return keyframe ? id : KeyframeId();
-    id = keyframe->parent;
+    if (keyframes_.Find(id)) return id;
+    const KeyframeNode* culled = culled_.Find(id);
+    if (!culled) return {};
+    id = culled->parent;
   }
   return {};
 }
 
 std::vector<std::pair<KeyframeId, int>> Map::Covisible(KeyframeId id, int min_shared) const {
-  const Keyframe* keyframe = Find(id);
-  if (!keyframe) return {};
-  std::vector<int> shared(keyframes_.size(), 0);
-  for (const PointId point_id : keyframe->points) {
-    const MapPoint* point = Find(point_id);
-    if (!point) continue;
-    for (const Observation& o : point->observations) ++shared[o.keyframe.value];
-  }
-  for (const LineId line_id : keyframe->lines) {
-    const MapLine* line = Find(line_id);
-    if (!line) continue;
-    for (const Observation& o : line->observations) ++shared[o.keyframe.value];
-  }
-  shared[id.value] = 0;
   std::vector<std::pair<KeyframeId, int>> result;
-  for (int32_t i = 0; i < keyframe_end(); ++i) {
-    if (shared[i] >= std::max(1, min_shared)) result.emplace_back(KeyframeId(i), shared[i]);
+  const Keyframe* keyframe = Find(id);
+  if (!keyframe) return result;
+  for (const Covisibility& c : keyframe->covisible) {
+    if (c.shared >= std::max(1, min_shared)) result.emplace_back(c.keyframe, c.shared);
   }
   std::stable_sort(result.begin(), result.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   return result;
 }
 
-int Map::NumKeyframes(MapId map) const {
-  return static_cast<int>(std::count_if(
-      keyframes_.begin(), keyframes_.end(),
-      [map](const Keyframe& k) { return k.id.IsValid() && !k.culled && k.map == map; }));
+std::vector<MapId> Map::Maps() const {
+  std::vector<MapId> maps;
+  for (const auto& [map, counts] : counts_) {
+    if (counts.keyframes > 0) maps.push_back(map);
+  }
+  return maps;
 }
 
-int Map::NumPoints(MapId map) const { return CountIn(points_, map); }
-int Map::NumLines(MapId map) const { return CountIn(lines_, map); }
-
-std::optional<Eigen::Quaterniond> Map::WorldFromManhattan(MapId map) const {
-  const auto at = manhattan_frames_.find(map);
-  if (at == manhattan_frames_.end()) return std::nullopt;
-  return at->second;
+Map::Counts Map::Count(MapId map) const {
+  const auto at = counts_.find(map);
+  return at == counts_.end() ? Counts() : at->second;
 }
 
-// ---- Changing ----
-
-Keyframe& Map::Mutable(KeyframeId id) {
-  if (id.value >= keyframe_end()) keyframes_.resize(id.value + 1);
-  return keyframes_[id.value];
+const ManhattanAxes* Map::Find(ManhattanId id) const {
+  const auto at = manhattan_frames_.find(id);
+  return at == manhattan_frames_.end() ? nullptr : &at->second;
 }
 
-MapPoint& Map::Mutable(PointId id) {
-  if (id.value >= point_end()) points_.resize(id.value + 1);
-  return points_[id.value];
+std::vector<ManhattanAxes> Map::ManhattanFrames(MapId map) const {
+  std::vector<ManhattanAxes> frames;
+  for (const auto& [id, axes] : manhattan_frames_) {
+    if (axes.map == map) frames.push_back(axes);
+  }
+  return frames;
 }
 
-MapLine& Map::Mutable(LineId id) {
-  if (id.value >= line_end()) lines_.resize(id.value + 1);
-  return lines_[id.value];
+// ---- What owner and replica do alike ----
+
+void Map::NoteSession(KeyframeId keyframe, MapId map) {
+  latest_keyframe_ = std::max(latest_keyframe_, keyframe);
+  latest_session_ = std::max({latest_session_, keyframe.session(), map.session()});
 }
 
-void Map::Insert(const Keyframe& keyframe) {
-  Keyframe& stored = Mutable(keyframe.id);
+void Map::AddKeyframe(const Keyframe& keyframe) {
+  Keyframe& stored = keyframes_.Insert(keyframe.id);
   stored = keyframe;
+  stored.culled = false;
+  stored.covisible.clear();
   std::fill(stored.points.begin(), stored.points.end(), PointId());
   std::fill(stored.lines.begin(), stored.lines.end(), LineId());
-  changes_.keyframes.insert(keyframe.id);
-  const auto observe = [&](const auto& landmarks) {
-    for (size_t i = 0; i < landmarks.size(); ++i) {
-      if (Find(landmarks[i])) Observe(keyframe.id, static_cast<int32_t>(i), landmarks[i]);
-    }
-  };
-  observe(keyframe.points);
-  observe(keyframe.lines);
+  ++counts_[keyframe.map].keyframes;
+  NoteSession(keyframe.id, keyframe.map);
 }
 
-PointId Map::CreatePoint(MapId map, KeyframeId reference, const Eigen::Vector3d& position) {
-  MapPoint point;
-  point.id = PointId(point_end());
+void Map::AddCulled(const KeyframeNode& node) {
+  KeyframeNode& stored = culled_.Insert(node.id);
+  stored = node;
+  stored.culled = true;
+  NoteSession(node.id, node.map);
+}
+
+MapPoint& Map::AddPoint(PointId id, MapId map) {
+  MapPoint& point = points_.Insert(id);
+  point.id = id;
   point.map = map;
-  point.reference = reference;
-  point.position = position;
-  points_.push_back(point);
-  changes_.appearances.insert(point.id);
-  changes_.geometries.insert(point.id);
-  return point.id;
+  ++CountOf(point);
+  return point;
 }
 
-LineId Map::CreateLine(MapId map, KeyframeId reference, const Eigen::Vector3d& start,
-                       const Eigen::Vector3d& end) {
-  MapLine line;
-  line.id = LineId(line_end());
+MapLine& Map::AddLine(LineId id, MapId map) {
+  MapLine& line = lines_.Insert(id);
+  line.id = id;
   line.map = map;
-  line.reference = reference;
-  line.start = start;
-  line.end = end;
-  lines_.push_back(line);
-  changes_.lines.insert(line.id);
-  return line.id;
+  ++CountOf(line);
+  return line;
 }
 
-template <class Id>
-void Map::ObserveAny(KeyframeId keyframe_id, int32_t feature, Id id) {
-  Keyframe& keyframe = Mutable(keyframe_id);
-  auto& landmark = Mutable(id);
-  std::vector<Id>& slots = Slots(keyframe, id);
-  if (feature >= static_cast<int32_t>(slots.size())) slots.resize(feature + 1);
-  const auto at = LowerBound(landmark.observations, keyframe_id);
-  // One observation of a landmark per keyframe, one landmark per feature: the first stays.
-  if (at != landmark.observations.end() && at->keyframe == keyframe_id) return;
-  if (slots[feature].IsValid()) return;
-  slots[feature] = id;
-  landmark.observations.insert(at, {keyframe_id, feature});
-  changes_.keyframes.insert(keyframe_id);
+void Map::ChangeShared(Keyframe* keyframe, KeyframeId other, int change) {
+  std::vector<Covisibility>& list = keyframe->covisible;
+  const auto at =
+      std::lower_bound(list.begin(), list.end(), other,
+                       [](const Covisibility& c, KeyframeId id) { return c.keyframe < id; });
+  if (at == list.end() || at->keyframe != other) {
+    list.insert(at, {other, change});
+  } else if ((at->shared += change) == 0) {
+    list.erase(at);
+  }
 }
 
+/// Of the keyframe with all others that observe the landmark.
 template <class Landmark>
-void Map::RemoveObservation(Landmark& landmark, KeyframeId keyframe_id) {
+void Map::CountShared(const Landmark& landmark, KeyframeId keyframe_id, int change) {
+  Keyframe& keyframe = Get(keyframe_id);
+  for (const Observation& o : landmark.observations) {
+    if (o.keyframe == keyframe_id) continue;
+    ChangeShared(&keyframe, o.keyframe, change);
+    ChangeShared(&Get(o.keyframe), keyframe_id, change);
+  }
+}
+
+template <class Id>
+bool Map::AddObservation(KeyframeId keyframe_id, int32_t feature, Id id) {
+  Keyframe& keyframe = Get(keyframe_id);
+  auto& landmark = Get(id);
   const auto at = LowerBound(landmark.observations, keyframe_id);
-  if (at == landmark.observations.end() || at->keyframe != keyframe_id) return;
-  Slots(Mutable(keyframe_id), landmark.id)[at->feature] = {};
+  if (at != landmark.observations.end() && at->keyframe == keyframe_id) return false;
+  std::vector<Id>& slots = Slots(keyframe, id);
+  if (feature >= std::ssize(slots)) slots.resize(static_cast<size_t>(feature) + 1);
+  Id& slot = slots[static_cast<size_t>(feature)];
+  if (slot.IsValid()) return false;
+  slot = id;
+  CountShared(landmark, keyframe_id, 1);
+  landmark.observations.insert(at, {keyframe_id, feature});
+  return true;
+}
+
+template <class Id>
+bool Map::DropObservation(KeyframeId keyframe_id, Id id) {
+  auto& landmark = Get(id);
+  const auto at = LowerBound(landmark.observations, keyframe_id);
+  if (at == landmark.observations.end() || at->keyframe != keyframe_id) return false;
+  Slots(Get(keyframe_id), id)[static_cast<size_t>(at->feature)] = {};
   landmark.observations.erase(at);
-  changes_.keyframes.insert(keyframe_id);
-}
-
-// For replication.cpp.
-template void Map::RemoveObservation(MapPoint&, KeyframeId);
-template void Map::RemoveObservation(MapLine&, KeyframeId);
-
-template <class Id>
-void Map::UnobserveAny(KeyframeId keyframe_id, Id id) {
-  auto& landmark = Mutable(id);
-  RemoveObservation(landmark, keyframe_id);
-  if (landmark.observations.size() < 2) EraseAny(id);
-}
-
-void Map::NoteErasure(PointId id) {
-  changes_.tombstones.insert(id);
-  changes_.appearances.erase(id);
-  changes_.geometries.erase(id);
-}
-
-void Map::NoteErasure(LineId id) {
-  changes_.line_tombstones.insert(id);
-  changes_.lines.erase(id);
+  CountShared(landmark, keyframe_id, -1);
+  return true;
 }
 
 template <class Id>
-void Map::EraseAny(Id id) {
-  auto& landmark = Mutable(id);
-  if (landmark.erased) return;
+void Map::DropLandmark(Id id, Id replacement) {
+  auto& landmark = Get(id);
   while (!landmark.observations.empty()) {
-    RemoveObservation(landmark, landmark.observations.back().keyframe);
+    DropObservation(landmark.observations.back().keyframe, id);
   }
-  landmark.erased = true;
-  NoteErasure(id);
+  --CountOf(landmark);
+  Table(id).Erase(id);
+  if (replacement.IsValid()) ForwardsOf(id)[id] = replacement;
+}
+
+template bool Map::AddObservation(KeyframeId, int32_t, PointId);
+template bool Map::AddObservation(KeyframeId, int32_t, LineId);
+template bool Map::DropObservation(KeyframeId, PointId);
+template bool Map::DropObservation(KeyframeId, LineId);
+template void Map::DropLandmark(PointId, PointId);
+template void Map::DropLandmark(LineId, LineId);
+
+void Map::DropObservationsOf(KeyframeId id) {
+  const Keyframe& keyframe = Get(id);
+  for (const PointId point : std::vector(keyframe.points)) {
+    if (point.IsValid()) DropObservation(id, point);
+  }
+  for (const LineId line : std::vector(keyframe.lines)) {
+    if (line.IsValid()) DropObservation(id, line);
+  }
+}
+
+void Map::MakeCulled(KeyframeId id, const SE3& cam_from_parent) {
+  KeyframeNode node = Get(id);
+  node.cam_from_parent = cam_from_parent;
+  --counts_[node.map].keyframes;
+  keyframes_.Erase(id);
+  AddCulled(node);
+}
+
+void Map::DropMap(MapId map) {
+  const auto drop = [map](auto* table) {
+    for (const auto& each : *table) {
+      if (each.map == map) table->Erase(each.id);
+    }
+  };
+  drop(&points_);
+  drop(&lines_);
+  drop(&keyframes_);
+  drop(&culled_);
+  std::erase_if(manhattan_frames_, [map](const auto& frame) { return frame.second.map == map; });
+  counts_.erase(map);
+  erased_maps_.insert(map);
+  latest_session_ = std::max(latest_session_, map.session());
+}
+
+void Map::Move(KeyframeId id, MapId map) {
+  if (KeyframeNode* culled = culled_.Find(id)) {
+    culled->map = map;
+  } else {
+    Keyframe& keyframe = Get(id);
+    --counts_[keyframe.map].keyframes;
+    ++counts_[map].keyframes;
+    keyframe.map = map;
+  }
+  NoteSession(id, map);
 }
 
 template <class Id>
-void Map::FuseAny(Id from, Id to) {
-  if (from == to) return;
-  auto& source = Mutable(from);
-  const std::vector<Observation> moved = source.observations;
-  for (const Observation& o : moved) {
-    RemoveObservation(source, o.keyframe);
-    ObserveAny(o.keyframe, o.feature, to);
+void Map::MoveLandmark(Id id, MapId map) {
+  auto& landmark = Get(id);
+  --CountOf(landmark);
+  landmark.map = map;
+  ++CountOf(landmark);
+}
+
+template void Map::MoveLandmark(PointId, MapId);
+template void Map::MoveLandmark(LineId, MapId);
+
+void Map::NoteMerger(MapId from, MapId into) {
+  merged_maps_[from] = into;
+  latest_session_ = std::max({latest_session_, from.session(), into.session()});
+}
+
+void Map::SetAxes(const ManhattanAxes& axes) { manhattan_frames_[axes.id] = axes; }
+
+std::vector<LineId> Map::DropAxes(ManhattanId id) {
+  std::vector<LineId> freed;
+  if (manhattan_frames_.erase(id) == 0) return freed;
+  for (const MapLine& line : lines_) {
+    if (line.manhattan != id) continue;
+    MapLine& mine = Get(line.id);
+    mine.manhattan = {};
+    mine.axis = -1;
+    freed.push_back(line.id);
   }
-  source.replacement = to;
-  EraseAny(from);
-}
-
-void Map::Observe(KeyframeId k, int32_t feature, PointId id) { ObserveAny(k, feature, id); }
-void Map::Observe(KeyframeId k, int32_t segment, LineId id) { ObserveAny(k, segment, id); }
-void Map::Unobserve(KeyframeId keyframe, PointId id) { UnobserveAny(keyframe, id); }
-void Map::Unobserve(KeyframeId keyframe, LineId id) { UnobserveAny(keyframe, id); }
-void Map::Erase(PointId id) { EraseAny(id); }
-void Map::Erase(LineId id) { EraseAny(id); }
-void Map::Fuse(PointId from, PointId to) { FuseAny(from, to); }
-void Map::Fuse(LineId from, LineId to) { FuseAny(from, to); }
-
-void Map::Cull(KeyframeId id) {
-  Keyframe& keyframe = Mutable(id);
-  if (keyframe.culled || !keyframe.parent.IsValid()) return;
-  const std::vector<PointId> points = keyframe.points;
-  for (const PointId point : points) {
-    if (point.IsValid()) Unobserve(id, point);
+  for (const Keyframe& keyframe : keyframes_) {
+    if (keyframe.manhattan == id) Get(keyframe.id).manhattan = {};
   }
-  const std::vector<LineId> lines = keyframe.lines;
-  for (const LineId line : lines) {
-    if (line.IsValid()) Unobserve(id, line);
-  }
-  SE3 parent_from_world;
-  CamFromWorld(keyframe.parent, &parent_from_world);
-  keyframe.cam_from_parent = keyframe.cam_from_world * parent_from_world.Inverse();
-  keyframe.culled = true;
-  keyframe.points.clear();
-  keyframe.lines.clear();
-  changes_.keyframes.insert(id);
-  for (Keyframe& child : keyframes_) {
-    if (child.id.IsValid() && !child.culled && child.parent == id) {
-      child.parent = keyframe.parent;
-      changes_.keyframes.insert(child.id);
-    }
-  }
-}
-
-void Map::EraseMap(MapId map) {
-  const auto erase = [map](auto& landmark) {
-    if (!landmark.id.IsValid() || landmark.map != map) return false;
-    landmark.erased = true;
-    landmark.observations.clear();
-    landmark.replacement = {};
-    return true;
-  };
-  for (MapPoint& point : points_) {
-    if (!erase(point)) continue;
-    changes_.appearances.erase(point.id);
-    changes_.geometries.erase(point.id);
-    changes_.tombstones.erase(point.id);
-  }
-  for (MapLine& line : lines_) {
-    if (!erase(line)) continue;
-    changes_.lines.erase(line.id);
-    changes_.line_tombstones.erase(line.id);
-  }
-  for (Keyframe& keyframe : keyframes_) {
-    if (keyframe.id.IsValid() && keyframe.map == map) {
-      changes_.keyframes.erase(keyframe.id);
-      keyframe = Keyframe();
-    }
-  }
-  manhattan_frames_.erase(map);
-  changes_.manhattan_frames.erase(map);
-  erased_maps_.insert(map);
-  changes_.erased_maps.insert(map);
-}
-
-void Map::SetPose(KeyframeId keyframe, const SE3& cam_from_world) {
-  Mutable(keyframe).cam_from_world = cam_from_world;
-  changes_.keyframes.insert(keyframe);
-}
-
-void Map::SetParent(KeyframeId keyframe, KeyframeId parent) {
-  Mutable(keyframe).parent = parent;
-  changes_.keyframes.insert(keyframe);
-}
-
-void Map::SetPosition(PointId point, const Eigen::Vector3d& position) {
-  Mutable(point).position = position;
-  changes_.geometries.insert(point);
-}
-
-void Map::SetView(PointId point, const Eigen::Vector3d& normal, double max_distance) {
-  MapPoint& p = Mutable(point);
-  p.normal = normal;
-  p.max_distance = max_distance;
-  changes_.geometries.insert(point);
-}
-
-void Map::SetDescriptor(PointId point, const Descriptor& descriptor) {
-  MapPoint& p = Mutable(point);
-  if (p.descriptor == descriptor) return;
-  p.descriptor = descriptor;
-  changes_.appearances.insert(point);
-}
-
-void Map::SetEnds(LineId line, const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
-  MapLine& l = Mutable(line);
-  l.start = start;
-  l.end = end;
-  changes_.lines.insert(line);
-}
-
-void Map::SetDescriptor(LineId line, const Descriptor& descriptor) {
-  Mutable(line).descriptor = descriptor;
-  changes_.lines.insert(line);
-}
-
-void Map::SetAxis(LineId line, int32_t axis) {
-  if (Mutable(line).axis == axis) return;
-  Mutable(line).axis = axis;
-  changes_.lines.insert(line);
-}
-
-void Map::SetManhattan(MapId map, const std::optional<Eigen::Quaterniond>& world_from_manhattan) {
-  if (world_from_manhattan) {
-    manhattan_frames_[map] = *world_from_manhattan;
-  } else {
-    if (manhattan_frames_.erase(map) == 0) return;
-    for (const MapLine& line : lines_) {
-      if (line.map == map && Find(line.id)) SetAxis(line.id, -1);
-    }
-  }
-  changes_.manhattan_frames.insert(map);
+  return freed;
 }
 
 }  // namespace vpslam

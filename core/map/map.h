@@ -1,104 +1,69 @@
-// The map: keyframes, points, lines, and who observes whom. The backend owns one and changes it;
-// frontend and recorder hold replicas that follow by deltas.
+// The map: keyframes, points, lines, Manhattan frames, and who observes whom. This class is its
+// reading side. The backend owns one and changes it (core/map/owned_map.h); frontend, recorder and
+// others hold replicas that follow by deltas (core/map/map_replica.h).
 //
-// Invariants: observations are kept on both sides and agree; lists are ordered by id, so that no
-// result depends on the order of a hash table; ids of erased points forward to what replaced them.
+// Invariants, see core/map/invariants.h: observations are kept on both sides and agree; counts of
+// covisibility are those of the observations; what is observed and who observes it belong to one
+// map; lists are ordered by id, so that no result depends on the order of a hash table; what was
+// fused forwards to what replaced it, for a while.
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/base/ids.h"
-#include "core/features/features.h"
 #include "core/geometry/se3.h"
-#include "core/geometry/sim3.h"
+#include "core/map/id_table.h"
+#include "core/map/keyframe.h"
+#include "core/map/landmarks.h"
+#include "core/map/map_changes.h"
 #include "core/messages/map_delta.h"
 
 namespace vpslam {
 
-struct Observation {
-  KeyframeId keyframe;
-  int32_t feature = 0;  ///< of the keyframe's features, or of its line segments
+/// An id that the map does not have: an error of the program, or a delta of another map.
+class UnknownIdError : public std::logic_error {
+ public:
+  using std::logic_error::logic_error;
 };
 
-/// What points and lines have in common.
-template <class Id>
-struct Landmark {
-  Id id;
+/// Three orthogonal directions of the world that vanishing points show.
+struct ManhattanAxes {
+  ManhattanId id;
   MapId map;
-  KeyframeId reference;                   ///< the keyframe that created it
-  std::vector<Observation> observations;  ///< by ascending keyframe
-  bool erased = false;
-  Id replacement;  ///< of an erased one that was fused
-};
-
-struct MapPoint : Landmark<PointId> {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in world
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< mean unit vector from point to cameras
-  double max_distance = 0;  ///< farthest distance from which level 0 can show it
-  Descriptor descriptor{};
-};
-
-/// An infinite line, and how much of it was seen. From start to end it runs as its segments do, see
-/// core/features/line_set.h.
-struct MapLine : Landmark<LineId> {
-  Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< in world
-  Eigen::Vector3d end = Eigen::Vector3d::Zero();
-  Descriptor descriptor{};
-  int32_t axis = -1;  ///< of the map's Manhattan frame, to which it is parallel; -1 for none
-
-  Eigen::Vector3d Direction() const { return (end - start).normalized(); }
-};
-
-struct Keyframe {
-  KeyframeId id;
-  MapId map;
-  int64_t frame_seq = 0;
-  int64_t stamp_us = 0;
-  bool culled = false;
-  SE3 cam_from_world;  ///< of a culled one: ask Map::CamFromWorld
-  KeyframeId parent;
-  SE3 cam_from_parent;  ///< of a culled one
-  /// Lengths now per lengths when the keyframe was made: maps that are merged change their unit.
-  double unit = 1;
-  std::vector<PointId> points;  ///< per feature; invalid where it observes none
-  std::vector<LineId> lines;    ///< per line segment; invalid where it observes none
-
-  Eigen::Vector3d Center() const { return cam_from_world.Center(); }
-};
-
-/// What changed since the last delta; filled by the owner's Map.
-struct MapChanges {
-  std::set<MapId> erased_maps;
-  std::set<MapId> merged_maps;  ///< that have become part of another
-  std::set<KeyframeId> keyframes;
-  std::set<PointId> appearances;
-  std::set<PointId> geometries;
-  std::set<PointId> tombstones;
-  std::set<LineId> lines;
-  std::set<LineId> line_tombstones;
-  std::set<MapId> manhattan_frames;
+  Eigen::Quaterniond world_from_manhattan = Eigen::Quaterniond::Identity();
 };
 
 class Map {
  public:
-  // ---- Reading ----
-
   /// nullptr if it never existed, or is erased or culled.
-  const MapPoint* Find(PointId id) const;
-  const MapLine* Find(LineId id) const;
-  const Keyframe* Find(KeyframeId id) const;
+  const MapPoint* Find(PointId id) const { return points_.Find(id); }
+  const MapLine* Find(LineId id) const { return lines_.Find(id); }
+  const Keyframe* Find(KeyframeId id) const { return keyframes_.Find(id); }
+  /// Also of culled keyframes; nullptr if it never existed or is erased.
+  const KeyframeNode* FindEvenCulled(KeyframeId id) const;
   /// The living point or line that `id` has become; invalid if there is none.
   PointId Resolve(PointId id) const;
   LineId Resolve(LineId id) const;
-  /// Also of culled keyframes, through their parents; nullptr-like `false` if unknown.
+  /// The map that `id` has become part of; itself if it has not.
+  MapId Resolve(MapId id) const;
+
+  /// All that live, by ascending id.
+  const IdTable<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
+  const IdTable<PointId, MapPoint>& points() const { return points_; }
+  const IdTable<LineId, MapLine>& lines() const { return lines_; }
+  const IdTable<KeyframeId, KeyframeNode>& culled_keyframes() const { return culled_; }
+
+  /// Also of culled keyframes, through their parents; false if unknown.
   bool CamFromWorld(KeyframeId id, SE3* cam_from_world) const;
   /// Where a camera stands that was placed relative to a keyframe, and what to keep of one to be
   /// placed later. `cam_from_reference` has the unit of length that the reference was made in, so
@@ -107,110 +72,112 @@ class Map {
   bool Hang(KeyframeId reference, const SE3& cam_from_world, SE3* cam_from_reference) const;
   /// The keyframe itself or, if it was culled, the nearest ancestor that was not; invalid if none.
   KeyframeId LivingAncestor(KeyframeId id) const;
-
   /// Keyframes that share at least min_shared points and lines with `id`, most first, ties by id.
   std::vector<std::pair<KeyframeId, int>> Covisible(KeyframeId id, int min_shared) const;
-  /// All ids ever used are below these.
-  int32_t keyframe_end() const { return static_cast<int32_t>(keyframes_.size()); }
-  int32_t point_end() const { return static_cast<int32_t>(points_.size()); }
-  int32_t line_end() const { return static_cast<int32_t>(lines_.size()); }
-  /// Also culled ones; nullptr if unknown. For results.
-  const Keyframe* FindEvenCulled(KeyframeId id) const;
-  /// The map that `id` has become part of; itself if it has not.
-  MapId Resolve(MapId id) const;
-  /// All ids of maps ever used are below this.
-  int32_t map_end() const;
-  /// How many maps have become part of others.
-  int num_merged() const { return static_cast<int>(merged_maps_.size()); }
+
   /// Maps that have keyframes, ascending.
   std::vector<MapId> Maps() const;
-  int NumKeyframes(MapId map) const;
-  int NumPoints(MapId map) const;
-  int NumLines(MapId map) const;
-  /// None if the map has no Manhattan frame.
-  std::optional<Eigen::Quaterniond> WorldFromManhattan(MapId map) const;
+  int NumKeyframes(MapId map) const { return Count(map).keyframes; }
+  int NumPoints(MapId map) const { return Count(map).points; }
+  int NumLines(MapId map) const { return Count(map).lines; }
+  /// How many maps have become part of others.
+  int num_merged() const { return static_cast<int>(merged_maps_.size()); }
+  /// The greatest id of a keyframe that was ever in the map; invalid for none.
+  KeyframeId latest_keyframe() const { return latest_keyframe_; }
+  /// Of what was given by writers of keyframes and maps, the latest session; -1 for nothing. Who
+  /// begins to write takes the next one, so that no id is ever given twice.
+  int32_t latest_session() const { return latest_session_; }
+
+  /// nullptr if it does not exist (any more).
+  const ManhattanAxes* Find(ManhattanId id) const;
+  /// Manhattan frames of the map, ascending.
+  std::vector<ManhattanAxes> ManhattanFrames(MapId map) const;
+
   int64_t version() const { return version_; }
-
-  // ---- Changing, by the owner ----
-
-  void Insert(const Keyframe& keyframe);
-  PointId CreatePoint(MapId map, KeyframeId reference, const Eigen::Vector3d& position);
-  LineId CreateLine(MapId map, KeyframeId reference, const Eigen::Vector3d& start,
-                    const Eigen::Vector3d& end);
-  void Observe(KeyframeId keyframe, int32_t feature, PointId point);
-  void Observe(KeyframeId keyframe, int32_t segment, LineId line);
-  /// Erases the point or line too when fewer than two observations remain.
-  void Unobserve(KeyframeId keyframe, PointId point);
-  void Unobserve(KeyframeId keyframe, LineId line);
-  void Erase(PointId point);
-  void Erase(LineId line);
-  /// Moves observations of `from` to `to` where `to` has none in that keyframe, and erases `from`.
-  void Fuse(PointId from, PointId to);
-  void Fuse(LineId from, LineId to);
-  /// The keyframe keeps its place in the tree: parent and pose relative to it. Its children go to
-  /// its parent. The first keyframe of a map cannot be culled.
-  void Cull(KeyframeId keyframe);
-  void EraseMap(MapId map);
-  /// Brings all that `map` holds into other coordinates: x_new = new_from_old * x_old.
-  void Transform(MapId map, const Sim3& new_from_old);
-  /// What `from` holds belongs to `into` from now on. Their coordinates must agree already.
-  void Absorb(MapId from, MapId into);
-  void SetPose(KeyframeId keyframe, const SE3& cam_from_world);
-  void SetParent(KeyframeId keyframe, KeyframeId parent);
-  void SetPosition(PointId point, const Eigen::Vector3d& position);
-  void SetView(PointId point, const Eigen::Vector3d& normal, double max_distance);
-  void SetDescriptor(PointId point, const Descriptor& descriptor);
-  void SetEnds(LineId line, const Eigen::Vector3d& start, const Eigen::Vector3d& end);
-  void SetDescriptor(LineId line, const Descriptor& descriptor);
-  void SetAxis(LineId line, int32_t axis);
-  /// nullopt: the map has no Manhattan frame any more, and its lines have no axis. A frame that is
-  /// found later may name its axes otherwise.
-  void SetManhattan(MapId map, const std::optional<Eigen::Quaterniond>& world_from_manhattan);
-
-  // ---- Replication ----
-
-  /// Everything that changed since the last call, in parts of a bounded size; each part has its own
-  /// version. `answers` and `times` go into the last part. At least one part.
-  std::vector<MapDelta> TakeDeltas(KeyframeId answers, const MappingTimes& times);
   /// The whole map at the present version, in parts; the first clears a replica.
   std::vector<MapDelta> Snapshot() const;
-  /// False, and nothing done, if the delta does not continue the version at hand.
-  bool Apply(const MapDelta& delta);
 
- private:
-  Keyframe& Mutable(KeyframeId id);
-  MapPoint& Mutable(PointId id);
-  MapLine& Mutable(LineId id);
-  KeyframeState State(const Keyframe& keyframe) const;
+ protected:
+  struct Counts {
+    int keyframes = 0, points = 0, lines = 0;
+  };
+
+  /// The things named, as they are now, in parts of a bounded size.
   std::vector<MapDelta> Parts(const MapChanges& changes) const;
-  // The same for points and lines.
+
+  // Each throws UnknownIdError.
+  Keyframe& Get(KeyframeId id) { return GetFrom(keyframes_, id, "keyframe"); }
+  MapPoint& Get(PointId id) { return GetFrom(points_, id, "point"); }
+  MapLine& Get(LineId id) { return GetFrom(lines_, id, "line"); }
+
+  // What an owner and a replica do alike.
+  void AddKeyframe(const Keyframe& keyframe);
+  MapPoint& AddPoint(PointId id, MapId map);
+  MapLine& AddLine(LineId id, MapId map);
+  void AddCulled(const KeyframeNode& node);
+  /// The first observation of a landmark in a keyframe stays, and the first landmark of a feature:
+  /// false if there is one.
+  template <class Id>
+  bool AddObservation(KeyframeId keyframe, int32_t feature, Id id);
+  /// False if there is none.
+  template <class Id>
+  bool DropObservation(KeyframeId keyframe, Id id);
+  /// With all observations of it. `replacement`: invalid for none.
+  template <class Id>
+  void DropLandmark(Id id, Id replacement);
+  void DropObservationsOf(KeyframeId id);
+  /// Its observations must be gone.
+  void MakeCulled(KeyframeId id, const SE3& cam_from_parent);
+  void DropMap(MapId map);
+  void Forget(PointId id) { point_forwards_.erase(id); }
+  void Forget(LineId id) { line_forwards_.erase(id); }
+  /// From map to map; also a culled keyframe.
+  void Move(KeyframeId id, MapId map);
+  void Move(PointId id, MapId map) { MoveLandmark(id, map); }
+  void Move(LineId id, MapId map) { MoveLandmark(id, map); }
+  void NoteMerger(MapId from, MapId into);
+  void SetAxes(const ManhattanAxes& axes);
+  /// Lines and keyframes that belong to it belong to none afterwards. Returns the lines.
+  std::vector<LineId> DropAxes(ManhattanId id);
+
+  IdTable<KeyframeId, Keyframe>& Table(KeyframeId) { return keyframes_; }
+  IdTable<PointId, MapPoint>& Table(PointId) { return points_; }
+  IdTable<LineId, MapLine>& Table(LineId) { return lines_; }
+  std::map<PointId, PointId>& ForwardsOf(PointId) { return point_forwards_; }
+  std::map<LineId, LineId>& ForwardsOf(LineId) { return line_forwards_; }
   static std::vector<PointId>& Slots(Keyframe& keyframe, PointId) { return keyframe.points; }
   static std::vector<LineId>& Slots(Keyframe& keyframe, LineId) { return keyframe.lines; }
-  template <class Id>
-  void ObserveAny(KeyframeId keyframe, int32_t feature, Id id);
-  template <class Id>
-  void UnobserveAny(KeyframeId keyframe, Id id);
-  template <class Id>
-  void EraseAny(Id id);
-  template <class Id>
-  void FuseAny(Id from, Id to);
-  template <class Landmark>
-  void RemoveObservation(Landmark& landmark, KeyframeId keyframe);
-  template <class Id>
-  void ApplyObservations(KeyframeId keyframe, const std::vector<FeatureObservation<Id>>& now);
-  template <class Id>
-  void ApplyTombstone(const Tombstone<Id>& tombstone);
-  void NoteErasure(PointId id);
-  void NoteErasure(LineId id);
 
-  std::deque<Keyframe> keyframes_;                        ///< by id; id invalid where unknown
-  std::deque<MapPoint> points_;                           ///< by id; id invalid where unknown
-  std::deque<MapLine> lines_;                             ///< by id; id invalid where unknown
-  std::map<MapId, Eigen::Quaterniond> manhattan_frames_;  ///< world_from_manhattan
+  IdTable<KeyframeId, Keyframe> keyframes_;
+  IdTable<KeyframeId, KeyframeNode> culled_;
+  IdTable<PointId, MapPoint> points_;
+  IdTable<LineId, MapLine> lines_;
+  std::map<PointId, PointId> point_forwards_;  ///< of what was fused: into which
+  std::map<LineId, LineId> line_forwards_;
+  std::map<ManhattanId, ManhattanAxes> manhattan_frames_;
   std::set<MapId> erased_maps_;
   std::map<MapId, MapId> merged_maps_;  ///< into which
-  MapChanges changes_;
   int64_t version_ = 0;
+
+ private:
+  template <class Id, class T>
+  static T& GetFrom(IdTable<Id, T>& table, Id id, const char* what) {
+    if (T* found = table.Find(id)) return *found;
+    throw UnknownIdError(std::string(what) + " " + std::to_string(id.value) + " is not in the map");
+  }
+  Counts Count(MapId map) const;
+  int& CountOf(const MapPoint& point) { return counts_[point.map].points; }
+  int& CountOf(const MapLine& line) { return counts_[line.map].lines; }
+  void NoteSession(KeyframeId keyframe, MapId map);
+  template <class Id>
+  void MoveLandmark(Id id, MapId map);
+  template <class Landmark>
+  void CountShared(const Landmark& landmark, KeyframeId keyframe, int change);
+  void ChangeShared(Keyframe* keyframe, KeyframeId other, int change);
+
+  std::map<MapId, Counts> counts_;
+  KeyframeId latest_keyframe_;
+  int32_t latest_session_ = -1;
 };
 
 }  // namespace vpslam

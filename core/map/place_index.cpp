@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/map/votes.h"
+
 namespace vpslam {
 namespace {
 
@@ -20,11 +22,10 @@ void PlaceIndex::Update(const Map& map, const std::vector<MapId>& except) {
   except_ = except;
   points_.clear();
   descriptors_.clear();
-  for (int32_t i = 0; i < map.point_end(); ++i) {
-    const MapPoint* point = map.Find(PointId(i));
-    if (!point || std::binary_search(except.begin(), except.end(), point->map)) continue;
-    points_.push_back(point->id);
-    descriptors_.push_back(point->descriptor);
+  for (const MapPoint& point : map.points()) {
+    if (std::binary_search(except.begin(), except.end(), point.map)) continue;
+    points_.push_back(point.id);
+    descriptors_.push_back(point.descriptor);
   }
   const auto n = static_cast<int32_t>(points_.size());
   begin_.assign(n > 0 ? kPieces * (kValues + 1) : 0, 0);
@@ -73,14 +74,14 @@ std::vector<std::pair<KeyframeId, int>> PlaceIndex::Query(const Map& map,
     if (nearest >= 0) shown.push_back(map.Find(points_[nearest]));
   }
   while (static_cast<int>(candidates.size()) < max_candidates) {
-    std::vector<int> votes(map.keyframe_end(), 0);
+    Votes votes(map.keyframes());
     for (const MapPoint* point : shown) {
-      for (const Observation& o : point->observations) ++votes[o.keyframe.value];
+      for (const Observation& o : point->observations) votes.Add(o.keyframe);
     }
-    const auto most = std::max_element(votes.begin(), votes.end());
-    if (most == votes.end() || *most < options_.min_votes) break;
-    const KeyframeId keyframe(static_cast<int32_t>(most - votes.begin()));
-    candidates.emplace_back(keyframe, *most);
+    const auto ranked = votes.Ranked();
+    if (ranked.empty() || ranked.front().second < options_.min_votes) break;
+    const KeyframeId keyframe = ranked.front().first;
+    candidates.push_back(ranked.front());
     std::erase_if(shown, [keyframe](const MapPoint* point) {
       return std::any_of(point->observations.begin(), point->observations.end(),
                          [keyframe](const Observation& o) { return o.keyframe == keyframe; });

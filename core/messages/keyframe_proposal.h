@@ -68,6 +68,7 @@ struct KeyframeProposal {
   MapId discarded_map;
   int64_t frame_seq = 0;
   int64_t stamp_us = 0;
+  int64_t map_version = 0;  ///< of the replica that it was tracked in
   SE3 cam_from_world;
   KeyframeId reference;  ///< keyframe it was tracked against; the parent to be
   Features features;
@@ -80,8 +81,8 @@ struct KeyframeProposal {
 
   static constexpr const char* kWireName = "keyframe_t";
   static void Describe(auto& v, auto& m) {
-    auto& [id, role, map, discarded_map, frame_seq, stamp_us, cam_from_world, reference, features,
-           points, sightings, initial_points, lines, map_lines, seam] = m;
+    auto& [id, role, map, discarded_map, frame_seq, stamp_us, map_version, cam_from_world,
+           reference, features, points, sightings, initial_points, lines, map_lines, seam] = m;
     using enum KeyframeRole;
     v("id", id, Required());
     v("role", role, OneOf<kRegular, kMapFirst, kMapSecond>());
@@ -89,6 +90,7 @@ struct KeyframeProposal {
     v("discarded_map", discarded_map);
     v("frame_seq", frame_seq, kNotNegative);
     v("stamp_us", stamp_us);
+    v("map_version", map_version);
     v("cam_from_world", cam_from_world);
     v("reference", reference);
     v.Array("num_features", "keypoints", features.keypoints);

@@ -44,17 +44,18 @@ struct KeyframeState {
   /// Culled keyframes stay, without observations, so that poses which hang on them can be expressed
   /// through their parent.
   bool culled = false;
-  SE3 cam_from_world;   ///< of a culled keyframe: to be derived from parent and cam_from_parent
-  KeyframeId parent;    ///< invalid for the first keyframe of a map
-  SE3 cam_from_parent;  ///< fixed at culling
-  double unit = 1;      ///< lengths now per lengths when the keyframe was made
+  SE3 cam_from_world;     ///< of a culled keyframe: to be derived from parent and cam_from_parent
+  KeyframeId parent;      ///< invalid for the first keyframe of a map
+  SE3 cam_from_parent;    ///< fixed at culling
+  double unit = 1;        ///< lengths now per lengths when the keyframe was made
+  ManhattanId manhattan;  ///< the frame whose axes it sees
   std::vector<FeatureObservation<PointId>> points;
   std::vector<FeatureObservation<LineId>> lines;
 
   static constexpr const char* kWireName = "keyframe_state_t";
   static void Describe(auto& v, auto& m) {
     auto& [id, map, frame_seq, stamp_us, culled, cam_from_world, parent, cam_from_parent, unit,
-           points, lines] = m;
+           manhattan, points, lines] = m;
     v("id", id, Required());
     v("map_id", map, Required());
     v("frame_seq", frame_seq, kNotNegative);
@@ -64,6 +65,7 @@ struct KeyframeState {
     v("parent", parent);
     v("cam_from_parent", cam_from_parent);
     v("unit", unit, Within{std::numeric_limits<double>::min(), kMaxLength});
+    v("manhattan", manhattan);
     v.SizeOf("observations", points);
     v.SizeOf("line_observations", lines);
   }
@@ -72,9 +74,9 @@ struct KeyframeState {
 /// What local bundle adjustment moves.
 struct PointGeometry {
   PointId id;
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< in world
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< mean unit vector from point to cameras
-  float max_distance = 0;  ///< farthest distance from which level 0 can show it
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in world
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< mean unit vector from point to cameras
+  double max_distance = 0;  ///< farthest distance from which level 0 can show it
 
   static constexpr const char* kWireName = "point_geometry_t";
   static void Describe(auto& v, auto& m) {
@@ -108,21 +110,27 @@ struct LineState {
   LineId id;
   MapId map;
   KeyframeId reference;
-  Eigen::Vector3f start = Eigen::Vector3f::Zero();  ///< in world
-  Eigen::Vector3f end = Eigen::Vector3f::Zero();
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< in world
+  Eigen::Vector3d end = Eigen::Vector3d::Zero();
   Descriptor descriptor{};
+  ManhattanId manhattan;
   int32_t axis = -1;
 
   static constexpr const char* kWireName = "map_line_t";
   static void Describe(auto& v, auto& m) {
-    auto& [id, map, reference, start, end, descriptor, axis] = m;
+    auto& [id, map, reference, start, end, descriptor, manhattan, axis] = m;
     v("id", id, Required());
     v("map_id", map, Required());
     v("reference", reference);
     v("start", start, kCoordinate);
     v("end", end, kCoordinate);
     v("descriptor", descriptor);
+    v("manhattan", manhattan);
     v("axis", axis, Between{-1, 2});
+  }
+  std::optional<std::string> Validate() const {
+    if (manhattan.IsValid() != (axis >= 0)) return "an axis of no Manhattan frame";
+    return std::nullopt;
   }
 };
 
@@ -144,33 +152,35 @@ struct Tombstone {
   }
 };
 
-/// The Manhattan frame of a map; see backend/manhattan_frame.h.
+/// A Manhattan frame of a map; see backend/manhattan_frames.h.
 struct MapManhattan {
+  ManhattanId id;
   MapId map;
   std::optional<Eigen::Quaterniond> world_from_manhattan;  ///< none (any more)
 
   static constexpr const char* kWireName = "manhattan_frame_t";
   static void Describe(auto& v, auto& m) {
-    auto& [map, world_from_manhattan] = m;
+    auto& [id, map, world_from_manhattan] = m;
+    v("id", id, Required());
     v("map_id", map, Required());
     v.Optional("exists", world_from_manhattan, Eigen::Quaterniond::Identity(),
                [](auto& visitor, auto& rotation) { visitor("world_from_manhattan", rotation); });
   }
 };
 
-/// All of map `from` belongs to map `into` now.
+/// All of map `merged` belongs to map `into` now.
 struct MapMerger {
-  MapId from;
+  MapId merged;
   MapId into;
 
   static constexpr const char* kWireName = "map_merger_t";
   static void Describe(auto& v, auto& m) {
-    auto& [from, into] = m;
-    v("merged", from, Required());  // "from" cannot be a name in Python
+    auto& [merged, into] = m;
+    v("merged", merged, Required());
     v("into", into, Required());
   }
   std::optional<std::string> Validate() const {
-    if (from == into) return "merged into itself";
+    if (merged == into) return "merged into itself";
     return std::nullopt;
   }
 };
@@ -191,11 +201,15 @@ struct MapDelta {
   std::vector<LineState> lines;  ///< new and changed
   std::vector<Tombstone<LineId>> line_tombstones;
   std::vector<MapManhattan> manhattan_frames;
+  // Fused so long ago that nobody should refer to them any more: tombstones that can go.
+  std::vector<PointId> forgotten_points;
+  std::vector<LineId> forgotten_lines;
 
   static constexpr const char* kWireName = "map_delta_t";
   static void Describe(auto& v, auto& m) {
     auto& [base_version, version, snapshot, answers, times, erased_maps, merged_maps, keyframes,
-           appearances, geometries, tombstones, lines, line_tombstones, manhattan_frames] = m;
+           appearances, geometries, tombstones, lines, line_tombstones, manhattan_frames,
+           forgotten_points, forgotten_lines] = m;
     v("base_version", base_version);
     v("version", version);
     v("snapshot", snapshot);
@@ -212,6 +226,8 @@ struct MapDelta {
     v.Array("num_lines", "lines", lines);
     v.Array("num_line_tombstones", "line_tombstones", line_tombstones);
     v.Array("num_manhattan_frames", "manhattan_frames", manhattan_frames);
+    v.Array("num_forgotten_points", "forgotten_points", forgotten_points, Required());
+    v.Array("num_forgotten_lines", "forgotten_lines", forgotten_lines, Required());
   }
   std::optional<std::string> Validate() const {
     // Within a snapshot versions run downwards from 0.

@@ -65,7 +65,7 @@ class Validator : public Visitor<Validator> {
           value.coeffs().allFinite() && std::abs(value.norm() - 1) <= kUnitTolerance;
       return is_unit ? nullptr : "is no unit quaternion";
     } else if constexpr (requires { value.IsValid(); }) {
-      return value.value >= -1 && value.value <= kMaxId ? nullptr : "id out of range";
+      return value == T() || value.IsSound() ? nullptr : "id out of range";
     } else {
       const bool finite = All(value, [](auto x) {
         if constexpr (std::is_floating_point_v<decltype(x)>) return std::isfinite(x);
@@ -76,7 +76,7 @@ class Validator : public Visitor<Validator> {
   }
   template <class T>
   static const char* Check(const T& id, Required) {
-    return id.value >= 0 && id.value <= kMaxId ? nullptr : "id out of range";
+    return id.IsSound() ? nullptr : "id out of range";
   }
   template <class T>
   static const char* Check(const T& value, Between range) {

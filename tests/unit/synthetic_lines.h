@@ -166,11 +166,12 @@ class SyntheticLineMap {
   KeyframeId AddKeyframe(const SE3& pose) {
     const KeyframeId id = map.AddKeyframe(scene.Look(pose));
     segments[id] = lines.Look(scene.camera, pose);
-    map.store[id].lines = segments[id].set;
+    map.LinesOf(id) = segments[id].set;
+    if (axes_.IsValid()) map.map.SetManhattanOf(id, axes_);
     return id;
   }
-  KeyframeId last() const { return KeyframeId(map.map.keyframe_end() - 1); }
-  LineSegment& Segment(KeyframeId k, int index) { return map.store.at(k).lines.lines[index]; }
+  KeyframeId last() const { return KeyframeId(KeyframeEnd(map.map) - 1); }
+  LineSegment& Segment(KeyframeId k, int index) { return map.LinesOf(k).lines[index]; }
 
   /// Line `l` of the scene, at `start` and `end`, observed by those of the keyframes that show it;
   /// invalid if fewer than two do.
@@ -184,12 +185,25 @@ class SyntheticLineMap {
     const LineId id = map.map.CreateLine(map.map_id, observers.front(), start, end);
     for (const KeyframeId k : observers) map.map.Observe(k, segments.at(k).SegmentOf(l), id);
     map.map.SetDescriptor(id, lines.lines[l].descriptor);
-    map.map.SetAxis(id, lines.lines[l].axis);
+    SetAxisOf(id, lines.lines[l].axis);
     return id;
   }
   LineId AddLine(int l, const std::vector<KeyframeId>& keyframes) {
     return AddLine(l, lines.lines[l].start, lines.lines[l].end, keyframes);
   }
+  /// The map gets a Manhattan frame, or its frame turns. All keyframes see its axes, and the lines
+  /// have theirs.
+  ManhattanId SetAxes(const Eigen::Quaterniond& world_from_manhattan) {
+    if (axes_.IsValid()) {
+      map.map.SetManhattan(axes_, world_from_manhattan);
+      return axes_;
+    }
+    axes_ = map.map.CreateManhattan(map.map_id, world_from_manhattan);
+    for (const auto& [id, seen] : segments) map.map.SetManhattanOf(id, axes_);
+    for (const LineId id : Lines()) SetAxisOf(id, lines.lines[TruthOf(id)].axis);
+    return axes_;
+  }
+  ManhattanId SetAxes() { return SetAxes(lines.world_from_manhattan); }
   std::vector<KeyframeId> AllKeyframes() const {
     std::vector<KeyframeId> all;
     for (const auto& [id, seen] : segments) all.push_back(id);
@@ -217,11 +231,16 @@ class SyntheticLineMap {
   }
   std::vector<LineId> Lines() const {
     std::vector<LineId> result;
-    for (int i = 0; i < map.map.line_end(); ++i) {
-      if (map.map.Find(LineId(i))) result.emplace_back(i);
-    }
+    for (const MapLine& line : map.map.lines()) result.push_back(line.id);
     return result;
   }
+
+ private:
+  void SetAxisOf(LineId id, int axis) {
+    if (axes_.IsValid() && axis >= 0) map.map.SetAxis(id, axes_, axis);
+  }
+
+  ManhattanId axes_;
 };
 
 /// Largest distance of the map line's ends from the true line.

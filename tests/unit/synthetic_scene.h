@@ -15,14 +15,16 @@
 
 #include <Eigen/Core>
 
-#include "backend/keyframe_store.h"
+#include "backend/mapping_context.h"
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
 #include "core/features/scale_levels.h"
 #include "core/geometry/camera.h"
 #include "core/geometry/se3.h"
 #include "core/map/map.h"
+#include "core/map/owned_map.h"
 #include "core/transport/codec.h"
+#include "tests/unit/table_end.h"
 
 namespace vpslam {
 
@@ -176,8 +178,7 @@ class SyntheticMap {
  public:
   explicit SyntheticMap(const SyntheticScene& scene) : scene_(scene) {}
 
-  Map map;
-  KeyframeStore store;
+  OwnedMap map;
   std::map<KeyframeId, SyntheticView> views;
   std::map<PointId, int> truth;  ///< points of the scene
   MapId map_id{0};               ///< of what is added
@@ -185,21 +186,28 @@ class SyntheticMap {
   /// At `cam_from_world`, which need not be where the view was taken. Hangs on the keyframe before.
   KeyframeId AddKeyframe(const SyntheticView& view, const SE3& cam_from_world) {
     Keyframe keyframe;
-    keyframe.id = KeyframeId(map.keyframe_end());
+    keyframe.id = KeyframeId(KeyframeEnd(map));
     keyframe.map = map_id;
     keyframe.frame_seq = 10 * keyframe.id.value;
     keyframe.cam_from_world = cam_from_world;
     const KeyframeId before(keyframe.id.value - 1);
     if (map.Find(before) && map.Find(before)->map == map_id) keyframe.parent = before;
     keyframe.points.resize(view.features.size());
+    keyframe.seen = FrameObservation::Make(keyframe.frame_seq, 0, view.features, scene_.bounds,
+                                           std::make_shared<LineSet>());
     map.Insert(keyframe);
-    store[keyframe.id] = {view.features, view.grid, {}};
     views[keyframe.id] = view;
     return keyframe.id;
   }
   KeyframeId AddKeyframe(const SyntheticView& view) {
     return AddKeyframe(view, view.cam_from_world);
   }
+  /// What the keyframe saw, which nobody but a test may change.
+  Features& FeaturesOf(KeyframeId id) {
+    return const_cast<Features&>(map.Find(id)->seen->features);
+  }
+  LineSet& LinesOf(KeyframeId id) { return const_cast<LineSet&>(*map.Find(id)->seen->lines); }
+  MappingContext Context() { return {scene_.camera, scene_.bounds, scene_.scales, map}; }
 
   /// Point `p` of the scene at `position`, observed by those of the keyframes that show it; invalid
   /// if fewer than two do.

@@ -28,7 +28,7 @@ struct Fixture {
   int& Octave(KeyframeId keyframe, PointId point) {
     for (const Observation& o : map.map.Find(point)->observations) {
       if (o.keyframe == keyframe) {
-        return map.store[keyframe].features.keypoints[o.feature].octave;
+        return map.FeaturesOf(keyframe).keypoints[o.feature].octave;
       }
     }
     throw std::logic_error("not observed");
@@ -134,7 +134,7 @@ struct Redundancy {
   }
   /// Every keyframe has plenty of points, unless it is said otherwise.
   std::vector<KeyframeId> Cull(const CullingOptions& options = {.plenty_points = 0}) {
-    const int culled = CullKeyframes(KeyframeId(4), f.map.store, options, &f.map.map);
+    const int culled = CullKeyframes(KeyframeId(4), options, &f.map.map);
     std::vector<KeyframeId> gone;
     for (int i = 0; i < 5; ++i) {
       if (!f.map.map.Find(KeyframeId(i))) gone.emplace_back(i);
@@ -195,7 +195,7 @@ TEST(CullKeyframes, LinesCountForWhatAKeyframeShows) {
 TEST(CullKeyframes, TheFirstAndTheNewStay) {
   Fixture f(5);
   for (const int p : f.SeenByAll()) f.map.AddPoint(p, Ids({0, 1, 2, 3, 4}));
-  const int culled = CullKeyframes(KeyframeId(4), f.map.store, {.plenty_points = 0}, &f.map.map);
+  const int culled = CullKeyframes(KeyframeId(4), {.plenty_points = 0}, &f.map.map);
   // Five see each point. Two may go; of the three that remain, each is needed.
   EXPECT_EQ(culled, 2);
   EXPECT_NE(f.map.map.Find(KeyframeId(0)), nullptr);

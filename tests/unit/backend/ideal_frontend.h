@@ -13,6 +13,7 @@
 #include "backend/mapper.h"
 #include "core/estimation/pose_optimizer.h"
 #include "core/geometry/so3.h"
+#include "core/map/map_replica.h"
 #include "tests/unit/synthetic_scene.h"
 
 namespace vpslam {
@@ -26,7 +27,7 @@ class IdealFrontend {
 
   SyntheticScene scene;
   Mapper mapper;
-  Map replica;
+  MapReplica replica;
   std::map<KeyframeId, SyntheticView> views;
   std::string bytes;  ///< of all deltas
   std::vector<MapDelta> last_answer;
@@ -119,7 +120,7 @@ class IdealFrontend {
   /// By what they are.
   std::map<int, PointId> Known(MapId map) const {
     std::map<int, PointId> known;
-    for (int32_t i = 0; i < replica.point_end(); ++i) {
+    for (int i = 0; i < EndOf(replica.points()); ++i) {
       const MapPoint* point = replica.Find(PointId(i));
       if (point && point->map == map && TruthOf(*point) >= 0) known[TruthOf(*point)] = point->id;
     }

@@ -13,7 +13,7 @@ namespace vpslam {
 namespace {
 
 std::vector<LineId> Create(SyntheticLineMap& m, const LineMappingOptions& options = {}) {
-  return CreateLines(m.last(), m.scene.camera, m.scene.bounds, m.map.store, options, &m.map.map);
+  return CreateLines(m.map.Context(), m.last(), options);
 }
 
 /// What the two views that a line was made from know of it: squared error over covariance,
@@ -31,7 +31,7 @@ double Chi2(const SyntheticLineMap& m, const MapLine& line) {
   manifold.PlusJacobian(at_truth.data(), plus_jacobian.data());
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   for (const Observation& o : line.observations) {
-    const LineSegment& s = m.map.store.at(o.keyframe).lines.lines[o.feature];
+    const LineSegment& s = m.map.map.Find(o.keyframe)->seen->segments()[o.feature];
     const PoseParameters pose = ToParameters(m.map.map.Find(o.keyframe)->cam_from_world);
     const LineCost cost(m.scene.camera, s.start_px.cast<double>(), s.end_px.cast<double>(),
                         1 / LineSigma_px(s.sigma_px));
@@ -99,7 +99,7 @@ TEST(LineCreator, ACommonAxisIsEvidenceToo) {
   double sum = 0;
   for (uint64_t seed = 0; seed < 5; ++seed) {
     SyntheticLineMap m(seed, {.num_free = 30, .num_per_axis = 12}, PosesSideBySide(2));
-    m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+    m.SetAxes();
     for (const int l : m.SeenBy(2)) common += m.lines.lines[l].axis >= 0;
     for (const LineId id : Create(m)) {
       const MapLine& line = *m.map.map.Find(id);
@@ -127,7 +127,7 @@ TEST(LineCreator, AKnownDirectionMakesLinesBetter) {
   for (uint64_t seed = 0; seed < 10; ++seed) {
     const auto errors = [&](bool with_frame) {
       SyntheticLineMap m(seed, {.num_free = 0, .num_per_axis = 12}, PosesSideBySide(3));
-      if (with_frame) m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+      if (with_frame) m.SetAxes();
       std::map<int, double> error;
       for (const LineId id : Create(m)) {
         const int l = m.TruthOf(id);
@@ -172,7 +172,7 @@ TEST(LineCreator, PureRotationCreatesNothing) {
     SyntheticLineMap m(8, {.num_free = 40, .num_per_axis = 10},
                        {PoseAt({0, 0, 0}), PoseAt({0, 0, 0}, {0, 0.05, 0.02}),
                         PoseAt({0, 0, 0}, {0.03, -0.03, 0})});
-    m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+    m.SetAxes();
     for (int i = 1; i < 3; ++i) {
       SE3 pose = m.map.map.Find(KeyframeId(i))->cam_from_world;
       pose.translation.x() += i * seeming_baseline;
@@ -228,11 +228,8 @@ TEST(LineCreator, WhatIsBeforeThePointsNeedsManyViewsAndWhatIsFarBeforeIsRefused
 TEST(LineCreator, AnOppositeSegmentIsAnotherEdge) {
   SyntheticLineMap m(10, {}, PosesSideBySide(3));
   SyntheticLineMap same = m;
-  ASSERT_GT(CreateLines(same.last(), same.scene.camera, same.scene.bounds, same.map.store, {},
-                        &same.map.map)
-                .size(),
-            5u);
-  for (LineSegment& s : m.map.store.at(KeyframeId(1)).lines.lines) {
+  ASSERT_GT(CreateLines(same.map.Context(), same.last(), {}).size(), 5u);
+  for (LineSegment& s : m.map.LinesOf(KeyframeId(1)).lines) {
     std::swap(s.start_px, s.end_px);
   }
   EXPECT_TRUE(Create(m).empty()) << "two keyframes remain";
@@ -286,7 +283,7 @@ TEST(LineCreator, SegmentsThatHaveLinesAreLeftAlone) {
 
 TEST(LineCreator, ShortLinesWithoutDescriptorAreNotUsed) {
   SyntheticLineMap m(13, {}, PosesSideBySide(3));
-  for (LineSegment& s : m.map.store.at(m.last()).lines.lines) s.has_descriptor = false;
+  for (LineSegment& s : m.map.LinesOf(m.last()).lines) s.has_descriptor = false;
   EXPECT_TRUE(Create(m).empty());
 }
 
@@ -298,7 +295,7 @@ TEST(LineCreator, NoSegmentsNoLines) {
 TEST(LineCreator, SameInputSameBytes) {
   const auto run = [] {
     SyntheticLineMap m(15, {.num_per_axis = 8}, PosesSideBySide(4));
-    m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+    m.SetAxes();
     m.map.map.TakeDeltas(KeyframeId(), {});
     EXPECT_FALSE(Create(m).empty());
     return BytesOf(m.map.map.TakeDeltas(m.last(), {}));

@@ -7,9 +7,7 @@
 namespace vpslam {
 namespace {
 
-void Fuse(SyntheticLineMap& m) {
-  FuseLines(m.last(), m.scene.camera, m.scene.bounds, m.map.store, {}, &m.map.map);
-}
+void Fuse(SyntheticLineMap& m) { FuseLines(m.map.Context(), m.last(), {}); }
 
 std::vector<KeyframeId> Ids(std::initializer_list<int> values) {
   std::vector<KeyframeId> ids;
@@ -80,7 +78,7 @@ TEST(LineFuser, WhatDoesNotFitIsNotJoined) {
     for (const int l : m.SeenBy(3)) ids.push_back(m.AddLine(l, Ids({0, 1})));
     ASSERT_GT(ids.size(), 5u);
     // Within the window of the search, but beyond the gate.
-    for (LineSegment& s : m.map.store.at(m.last()).lines.lines) {
+    for (LineSegment& s : m.map.LinesOf(m.last()).lines) {
       const Eigen::Vector2f u = (s.end_px - s.start_px).normalized();
       const Eigen::Vector2f shift = static_cast<float>(off_px) * Eigen::Vector2f(-u.y(), u.x());
       s.start_px += shift;

@@ -50,7 +50,7 @@ TEST(AxisOf, IsTheAxisOfTheMapWhateverTheDetectorCallsIt) {
     }
   };
   expect_axes({-1, -1, -1});  // the map has no frame
-  m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+  m.SetAxes();
   expect_axes({0, 1, 2});
   // The image names its axes differently, and some point the other way.
   std::swap(set.vanishing_points[0], set.vanishing_points[2]);
@@ -62,7 +62,7 @@ TEST(AxisOf, IsTheAxisOfTheMapWhateverTheDetectorCallsIt) {
   expect_axes({0, 1, 2});
   // The map's frame has other names: its y is what was x.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
-  m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan * turn);
+  m.SetAxes(m.lines.world_from_manhattan * turn);
   expect_axes({1, 0, 2});
 }
 
@@ -71,8 +71,7 @@ TEST(AxisOf, ADirectionOfItsOwnIsNoAxis) {
   const KeyframeId k(0);
   LineSet set = m.segments.at(k).set;
   const auto axis_when_turned = [&](double deg) {
-    m.map.map.SetManhattan(MapId(0),
-                           ExpSo3({0, 0, deg * M_PI / 180}) * m.lines.world_from_manhattan);
+    m.SetAxes(ExpSo3({0, 0, deg * M_PI / 180}) * m.lines.world_from_manhattan);
     LineSegment s;
     s.label = 0;
     return AxisOf(s, set, *m.map.map.Find(k), m.map.map);
@@ -84,10 +83,10 @@ TEST(AxisOf, ADirectionOfItsOwnIsNoAxis) {
 
 TEST(AxisDirection, IsTheColumnOfTheFrame) {
   SyntheticLineMap m(4, {.num_per_axis = 2}, PosesSideBySide(2));
-  m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+  m.SetAxes();
   for (const SyntheticLine& line : m.lines.lines) {
     if (line.axis < 0) continue;
-    EXPECT_NEAR(AxisAngle_rad(AxisDirection(line.axis, MapId(0), m.map.map),
+    EXPECT_NEAR(AxisAngle_rad(AxisDirection(line.axis, m.SetAxes(), m.map.map),
                               (line.end - line.start).normalized()),
                 0, 1e-9);
   }
@@ -108,7 +107,7 @@ TEST(UpdateEnds, AreTrimmedToWhatIsSeen) {
     for (const double grow : {2.0, -0.45}) {
       const LineId id =
           m.AddLine(l, truth.start - grow * along, truth.end + grow * along, m.AllKeyframes());
-      UpdateEnds(id, m.scene.camera, m.map.store, &m.map.map);
+      UpdateEnds(id, m.scene.camera, &m.map.map);
       double from = 1e9, to = -1e9;
       for (const Observation& o : m.map.map.Find(id)->observations) {
         const LineView view =
@@ -143,7 +142,7 @@ TEST(UpdateEnds, OneViewOfManyDoesNotMakeALineLong) {
     const LineId id = m.AddLine(l, m.AllKeyframes());
     LineSegment& s = m.Segment(KeyframeId(3), m.segments.at(KeyframeId(3)).SegmentOf(l));
     s.end_px += 1.0f * (s.end_px - s.start_px);
-    UpdateEnds(id, m.scene.camera, m.map.store, &m.map.map);
+    UpdateEnds(id, m.scene.camera, &m.map.map);
     const SyntheticLine& truth = m.lines.lines[l];
     const double length = (truth.end - truth.start).norm();
     EXPECT_LT(Along(m.map.map.Find(id)->end, truth), 1.02 * length);
@@ -163,7 +162,7 @@ TEST(UpdateDescriptor, IsTheMostCentral) {
   LineSegment& exact = m.Segment(KeyframeId(3), m.segments.at(KeyframeId(3)).SegmentOf(l));
   exact.descriptor = m.lines.lines[l].descriptor;
   m.map.map.SetDescriptor(id, Descriptor{});
-  UpdateDescriptor(id, m.map.store, &m.map.map);
+  UpdateDescriptor(id, &m.map.map);
   EXPECT_EQ(m.map.map.Find(id)->descriptor, m.lines.lines[l].descriptor);
 }
 

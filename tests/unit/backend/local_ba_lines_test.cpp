@@ -10,7 +10,7 @@ namespace vpslam {
 namespace {
 
 const LocalBaOptions kThorough{.max_iterations = 50, .function_tolerance = 1e-10};
-const ManhattanFrame kNoAxes{ManhattanOptions()};
+const ManhattanFrames kNoAxes{ManhattanOptions()};
 
 std::vector<KeyframeId> Ids(std::initializer_list<int> values) {
   std::vector<KeyframeId> ids;
@@ -19,8 +19,7 @@ std::vector<KeyframeId> Ids(std::initializer_list<int> values) {
 }
 
 BaSummary Adjust(SyntheticLineMap& m, const LocalBaOptions& options = kThorough) {
-  return AdjustLocally(m.last(), m.scene.camera, m.scene.scales, m.map.store, kNoAxes, options,
-                       options.max_iterations, &m.map.map);
+  return AdjustLocally(m.map.Context(), m.last(), kNoAxes, options, options.max_iterations);
 }
 
 void AddLines(SyntheticLineMap& m, int min_views, double sigma) {
@@ -123,6 +122,7 @@ TEST(LocalBaLines, WhatCameTooNearIsLetGo) {
       m.map.AddPoints(0, 200);
       for (const int l : m.SeenBy(3)) m.AddLine(l, m.AllKeyframes());
       ASSERT_GT(m.Lines().size(), 4u);
+      m.SetAxes(Eigen::Quaterniond::Identity());
       Adjust(m);
       EXPECT_EQ(m.Lines().empty(), depth < 0.5 && axis < 0) << depth << " " << axis;
     }
@@ -152,7 +152,7 @@ TEST(LocalBaLines, AnAxisHoldsALinesDirection) {
   double before = 0, after = 0;
   int n = 0;
   SyntheticLineMap m(4, {.num_free = 0, .num_per_axis = 15}, PosesSideBySide(3));
-  m.map.map.SetManhattan(MapId(0), m.lines.world_from_manhattan);
+  m.SetAxes();
   for (const int l : m.SeenBy(2)) {
     const SyntheticLine& truth = m.lines.lines[l];
     m.AddLine(l, truth.start + m.scene.NormalVector(0.03), truth.end + m.scene.NormalVector(0.03),
@@ -200,7 +200,8 @@ TEST(BaWindow, LinesBindKeyframesAsPointsDo) {
   for (size_t i = 0; i < seen.size(); ++i) {
     m.AddLine(seen[i], i < 6 ? Ids({3, 4}) : i < 8 ? Ids({2, 4}) : Ids({0, 1}));
   }
-  const BaWindow window = ChooseBaWindow(KeyframeId(4), {.min_shared_points = 5}, m.map.map);
+  const BaWindow window =
+      ChooseBaWindow(KeyframeId(4), {.min_fixed_keyframes = 1, .min_shared_points = 5}, m.map.map);
   EXPECT_EQ(window.moved, (std::set<KeyframeId>{KeyframeId(3), KeyframeId(4)}));
   EXPECT_EQ(window.fixed, (std::set<KeyframeId>{KeyframeId(2)}));
   EXPECT_EQ(window.lines.size(), 8u) << "not what others see alone";
@@ -238,7 +239,7 @@ TEST(CullKeyframes, ACulledKeyframeUnobservesItsLines) {
   for (const Observation& o : m.map.map.Find(three)->observations) {
     EXPECT_NE(o.keyframe, KeyframeId(2));
   }
-  EXPECT_TRUE(m.map.map.FindEvenCulled(KeyframeId(2))->lines.empty());
+  EXPECT_TRUE(m.map.map.Find(KeyframeId(2)) == nullptr);
 }
 
 }  // namespace

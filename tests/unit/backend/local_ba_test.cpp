@@ -14,7 +14,7 @@ namespace {
 const LocalBaOptions kThorough{
     .min_fixed_keyframes = 1, .max_iterations = 50, .function_tolerance = 1e-10};
 
-const ManhattanFrame kNoAxes{ManhattanOptions()};
+const ManhattanFrames kNoAxes{ManhattanOptions()};
 
 /// Keyframes side by side at their true places, and all points that two of them show.
 struct Fixture {
@@ -25,7 +25,7 @@ struct Fixture {
     }
     map.AddPoints(0, static_cast<int>(scene.points.size()));
   }
-  KeyframeId last() const { return KeyframeId(map.map.keyframe_end() - 1); }
+  KeyframeId last() const { return KeyframeId(KeyframeEnd(map.map) - 1); }
 
   void DisturbPoses(int begin, double sigma, double sigma_rad) {
     for (int i = begin; i <= last().value; ++i) {
@@ -49,9 +49,8 @@ struct Fixture {
     }
   }
   BaSummary Adjust(const LocalBaOptions& options = kThorough,
-                   const ManhattanFrame& axes = kNoAxes) {
-    return AdjustLocally(last(), scene.camera, scene.scales, map.store, axes, options,
-                         options.max_iterations, &map.map);
+                   const ManhattanFrames& axes = kNoAxes) {
+    return AdjustLocally(map.Context(), last(), axes, options, options.max_iterations);
   }
   std::vector<Eigen::Vector3d> Centers() const {
     std::vector<Eigen::Vector3d> centers;
@@ -105,7 +104,7 @@ TEST(LocalBa, VanishingPointsTurnAKeyframeTheirWay) {
   Fixture f(8, 7);
   const KeyframeId odd(1);  // not among the latest, whose agreement gives birth to the frame
   const Eigen::Vector3d turn_rad(0.02, -0.03, 0.015);
-  ManhattanFrame axes({.min_sigma_deg = 1e-3});
+  ManhattanFrames axes({.min_sigma_deg = 1e-3});
   for (const auto& [id, view] : f.map.views) {
     LineSet lines;
     lines.manhattan = ManhattanState::kThree;
@@ -115,7 +114,7 @@ TEST(LocalBa, VanishingPointsTurnAKeyframeTheirWay) {
     lines.covariance_rad2 = 1e-10 * Eigen::Matrix3d::Identity();
     axes.Add(id, lines);
   }
-  axes.Update(f.map.map);
+  axes.Update(f.map.map_id, &f.map.map);
   const auto turned = [&] {
     return LogSo3(f.map.map.Find(odd)->cam_from_world.rotation *
                   f.map.views.at(odd).cam_from_world.rotation.conjugate());
@@ -238,7 +237,7 @@ TEST(LocalBa, OutliersAreTakenOut) {
     total += static_cast<int>(observations.size());
     if (id.value % 10) continue;
     const Observation& o = observations.back();
-    Keypoint& k = f.map.store[o.keyframe].features.keypoints[o.feature];
+    Keypoint& k = f.map.FeaturesOf(o.keyframe).keypoints[o.feature];
     k.x_px += 25 * static_cast<float>(f.scene.scales.scale(k.octave));
     wrong.insert({o.keyframe, id});
     of_two += observations.size() == 2;
@@ -296,7 +295,7 @@ TEST(LocalBa, OnceMoreWithoutTheOutliersIsBetter) {
       for (const auto& [id, p] : f.map.truth) {
         if (id.value % 5) continue;
         const Observation& o = f.map.map.Find(id)->observations.back();
-        Keypoint& k = f.map.store[o.keyframe].features.keypoints[o.feature];
+        Keypoint& k = f.map.FeaturesOf(o.keyframe).keypoints[o.feature];
         k.x_px += 15 * static_cast<float>(f.scene.scales.scale(k.octave));
       }
       LocalBaOptions options = kThorough;
@@ -323,8 +322,7 @@ TEST(LocalBa, NothingToAdjust) {
   SyntheticScene scene(9);
   SyntheticMap map(scene);
   const KeyframeId k = map.AddKeyframe(scene.Look(PoseAt({0, 0, 0})));
-  const BaSummary summary =
-      AdjustLocally(k, scene.camera, scene.scales, map.store, kNoAxes, {}, 10, &map.map);
+  const BaSummary summary = AdjustLocally(map.Context(), k, kNoAxes, {}, 10);
   EXPECT_EQ(summary.observations, 0);
   EXPECT_EQ(map.map.Find(k)->cam_from_world.translation, Eigen::Vector3d::Zero());
 }
@@ -334,9 +332,8 @@ TEST(LocalBa, EndsEarlyWhenOthersWait) {
     Fixture f(6, 10);
     f.DisturbPoses(1, 0.02, 0.005);
     f.DisturbPoints(0.02);
-    const BaSummary summary =
-        AdjustLocally(f.last(), f.scene.camera, f.scene.scales, f.map.store, kNoAxes, kThorough,
-                      kThorough.max_iterations, &f.map.map, is_urgent);
+    const BaSummary summary = AdjustLocally(f.map.Context(), f.last(), kNoAxes, kThorough,
+                                            kThorough.max_iterations, is_urgent);
     EXPECT_LT(summary.final_cost, 0.5 * summary.initial_cost);
     return summary.iterations;  // and the first evaluation
   };

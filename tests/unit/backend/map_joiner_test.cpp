@@ -38,7 +38,7 @@ class TwoMaps {
     return seam;
   }
   std::optional<SeamAlignment> Align(const MapSeam& seam) {
-    return AlignSeam(first_of_1_, seam, scene.camera, scene.scales, maps.store, options, maps.map);
+    return AlignSeam(maps.Context(), first_of_1_, seam, options);
   }
   KeyframeId first_of_1() const { return first_of_1_; }
 
@@ -109,7 +109,7 @@ TEST(MapJoiner, TheYoungerMapJoinsTheOlder) {
   TwoMaps m(3);
   const auto alignment = m.Align(m.Seam());
   ASSERT_TRUE(alignment);
-  Map& map = m.maps.map;
+  OwnedMap& map = m.maps.map;
   const int points = map.NumPoints(MapId(0)) + map.NumPoints(MapId(1));
   const Eigen::Vector3d anchor = map.Find(KeyframeId(0))->Center();
   const Merger merger = MergerOf(MapId(1), MapId(0), alignment->there_from_here);
@@ -144,7 +144,7 @@ TEST(MapJoiner, WhatCameFromAMapMovesWithoutTheRest) {
   TwoMaps m(5);
   const auto alignment = m.Align(m.Seam());
   ASSERT_TRUE(alignment);
-  Map& map = m.maps.map;
+  OwnedMap& map = m.maps.map;
   const LineId line = map.CreateLine(MapId(1), m.first_of_1(), {0, 0, 1}, {1, 0, 1});
   const MapContents of_1 = ContentsOf(MapId(1), map);
   EXPECT_EQ(of_1.keyframes.size(), 5u);

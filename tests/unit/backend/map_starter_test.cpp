@@ -41,19 +41,18 @@ struct Fixture {
     proposal.frame_seq = 100 + 5 * id;
     proposal.stamp_us = 1000 + id;
     proposal.features = view.features;
-    store[proposal.id] = {view.features, view.grid, {}};
     return proposal;
   }
   std::vector<PointId> Start() {
-    return StartMap(first, second, scene.camera, scene.scales, store, LocalBaOptions(), &map);
+    return StartMap({scene.camera, scene.bounds, scene.scales, map}, first, second,
+                    LocalBaOptions());
   }
 
   SyntheticScene scene;
-  KeyframeStore store;
   KeyframeProposal first, second;
   SE3 truth;
   std::vector<int> points;  ///< of the scene, per initial point
-  Map map;
+  OwnedMap map;
 };
 
 TEST(MapStarter, TwoKeyframesAndTheirPoints) {
@@ -113,7 +112,7 @@ TEST(MapStarter, WrongPointsDoNotStay) {
   // Matched with what is 30 px off, across the epipolar lines.
   for (size_t i = 0; i < f.points.size(); i += 8) {
     const int feature = f.second.initial_points[i].feature_in_second;
-    Keypoint& k = f.store[KeyframeId(1)].features.keypoints[feature];
+    Keypoint& k = f.second.features.keypoints[feature];
     k.y_px += 30 * static_cast<float>(f.scene.scales.scale(k.octave));
   }
   const std::vector<PointId> ids = f.Start();

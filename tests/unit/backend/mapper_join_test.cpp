@@ -30,7 +30,7 @@ class MapperJoinTest : public ::testing::Test {
     const Eigen::Quaterniond shown =
         frontend_.views.at(id).cam_from_world.rotation * *frontend_.axes;
     return AngleBetween_rad(frontend_.replica.Find(id)->cam_from_world.rotation *
-                                *frontend_.replica.WorldFromManhattan(map),
+                                frontend_.replica.ManhattanFrames(map).front().world_from_manhattan,
                             shown) /
            kRadPerDeg;
   }
@@ -49,6 +49,7 @@ TEST_F(MapperJoinTest, TwoMapsBecomeOneWithOneSetOfAxes) {
 TEST_F(MapperJoinTest, AskewByLittleTheyAreStillOnePlace) {
   Walk(5);
   EXPECT_EQ(frontend_.replica.Maps(), std::vector<MapId>{MapId(0)});
+  EXPECT_EQ(frontend_.replica.ManhattanFrames(MapId(0)).size(), 1u);
 }
 
 TEST_F(MapperJoinTest, AskewByMuchTheyStayApart) {

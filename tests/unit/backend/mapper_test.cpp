@@ -56,7 +56,7 @@ Errors Compare(const IdealFrontend& f) {
   errors.keyframes = std::sqrt(errors.keyframes / static_cast<double>(truth.size()));
   std::vector<double> points;
   int wrong = 0;
-  for (int32_t i = 0; i < f.replica.point_end(); ++i) {
+  for (int i = 0; i < EndOf(f.replica.points()); ++i) {
     const MapPoint* point = f.replica.Find(PointId(i));
     if (!point) continue;
     const int p = f.TruthOf(*point);
@@ -94,7 +94,7 @@ TEST(Mapper, AWalkAgainstTheTruth) {
     // No corner twice.
     std::map<int, int> copies;
     int twice = 0;
-    for (int32_t i = 0; i < f->replica.point_end(); ++i) {
+    for (int i = 0; i < EndOf(f->replica.points()); ++i) {
       const MapPoint* point = f->replica.Find(PointId(i));
       if (point) twice += ++copies[f->TruthOf(*point)] == 2;
     }
@@ -130,7 +130,7 @@ TEST(Mapper, ADiscardedMapLeavesNothing) {
   EXPECT_EQ(f.replica.NumKeyframes(MapId(0)), 0);
   EXPECT_EQ(f.replica.NumKeyframes(MapId(1)), 3);
   EXPECT_GT(f.replica.NumPoints(MapId(1)), 100);
-  for (int32_t i = 0; i < f.replica.point_end(); ++i) {
+  for (int i = 0; i < EndOf(f.replica.points()); ++i) {
     const MapPoint* point = f.replica.Find(PointId(i));
     if (point) {
       EXPECT_EQ(point->map, MapId(1));

@@ -23,8 +23,7 @@ struct Pair {
     map.map.TakeDeltas(KeyframeId(), {});
   }
   std::vector<PointId> Create(const PointCreatorOptions& options = {}) {
-    return CreatePoints(KeyframeId(map.map.keyframe_end() - 1), scene.camera, scene.scales,
-                        map.store, options, &map.map);
+    return CreatePoints(map.Context(), KeyframeId(KeyframeEnd(map.map) - 1), options);
   }
   /// What the point is in truth; -1 if its observations are of different points, or of none.
   int TruthOf(PointId id) const {
@@ -172,7 +171,7 @@ TEST(PointCreator, WrongFeaturesMakeFewPoints) {
 
 TEST(PointCreator, OctavesMustAgreeWithDistances) {
   Pair pair(7, {.max_octave = 0}, Sideways());  // octaves 0 to 3
-  for (Keypoint& k : pair.map.store[KeyframeId(0)].features.keypoints) k.octave = 7;
+  for (Keypoint& k : pair.map.FeaturesOf(KeyframeId(0)).keypoints) k.octave = 7;
   EXPECT_TRUE(pair.Create({.max_scale_mismatch = 1.5}).empty());  // 1.2^3 > 1.5
   EXPECT_GT(pair.Create({.max_scale_mismatch = 5}).size(), 50u);
 }

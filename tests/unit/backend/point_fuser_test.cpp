@@ -21,9 +21,7 @@ struct Fixture {
     map.AddPoints(0, kShared);
     map.map.TakeDeltas(KeyframeId(), {});
   }
-  void Fuse(const PointFuserOptions& options = {}) {
-    FusePoints(kNew, scene.camera, scene.bounds, scene.scales, map.store, options, &map.map);
-  }
+  void Fuse(const PointFuserOptions& options = {}) { FusePoints(map.Context(), kNew, options); }
   /// Points of the scene, beyond those shared, that all of the keyframes show where they should.
   std::vector<int> SeenByAll() const {
     std::vector<int> result;
@@ -62,7 +60,7 @@ TEST(PointFuser, JoinsDuplicatesAndTheBetterKnownStays) {
     f.map.AddPoint(points[i], {kA, kB});
     f.map.AddPoint(points[i], {kC, kNew});
   }
-  const int begin = f.map.map.point_end() - 2 * static_cast<int>(points.size());
+  const int begin = EndOf(f.map.map.points()) - 2 * static_cast<int>(points.size());
   const int before = f.map.map.NumPoints(MapId(0));
   f.Fuse();
   for (size_t i = 0; i < points.size(); ++i) {
@@ -154,7 +152,7 @@ TEST(PointFuser, NeighboursOfNeighboursAreAskedAsFarAsSet) {
     for (size_t i = 1; i < 30; ++i) f.map.AddPoint(points[i], {kA, far});
     // The new keyframe shows these as well, and would join: take the features away from it.
     for (size_t i = 1; i < 30; ++i) {
-      Features& features = f.map.store[kNew].features;
+      Features& features = f.map.FeaturesOf(kNew);
       features.descriptors[f.map.views.at(kNew).FeatureOf(points[i])] = Descriptor{};
     }
     const PointId point = f.map.AddPoint(points[0], {kC, kNew});

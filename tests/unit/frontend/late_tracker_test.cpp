@@ -149,7 +149,7 @@ TEST(LateTracker, GoesOnFromAKeyframeThatItsFrameBecame) {
   Fixture f(9);
   f.late.Return(f.frames, f.s.TrackedFrame(PoseOf(20), 20));
   std::vector<int64_t> placed;
-  const KeyframeId next(f.s.map.map.keyframe_end());
+  const KeyframeId next(KeyframeEnd(f.s.map.map));
   while (f.late.Busy()) {
     auto frame = f.late.Step(f.s.context());
     if (!frame) continue;

@@ -9,6 +9,7 @@
 
 #include "backend/mapper.h"
 #include "core/map/map.h"
+#include "core/map/map_replica.h"
 #include "core/transport/codec.h"
 #include "frontend/tracker.h"
 #include "tests/unit/frontend/rendered_room.h"
@@ -41,7 +42,7 @@ class Lockstep {
 
   Tracker tracker;
   Mapper mapper;
-  Map replica;
+  MapReplica replica;
   std::map<int64_t, FramePose> poses;        ///< the last of each frame
   std::map<int64_t, FramePose> first_poses;  ///< as they were when the frame was new
   std::vector<KeyframeProposal> keyframes;

@@ -84,7 +84,7 @@ TEST(Placement, AFrameThatBecameAKeyframeHasThatOnesMatches) {
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 7);
   frame.PlaceIn(MapId(0), PoseAt({0.3, 0, 0}));
   Keyframe keyframe;
-  keyframe.id = KeyframeId(s.map.map.keyframe_end());
+  keyframe.id = KeyframeId(KeyframeEnd(s.map.map));
   keyframe.map = MapId(0);
   keyframe.frame_seq = 7;
   keyframe.cam_from_world = PoseAt({0.31, 0, 0});

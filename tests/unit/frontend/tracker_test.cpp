@@ -169,10 +169,13 @@ TEST_F(CarriedAway, FoundInAnotherMapItIsMeasuredAgainstThatMapsAxes) {
   lines.vanishing_points.assign(3, {.support = 20});
   /// Of a tracker that is lost in map 1, when it is back in map 0.
   const auto rotation_with = [&](MapId map, double axes_off_rad) {
-    Map owner = run.replica;
-    owner.SetManhattan(map, axes * ExpSo3({0, axes_off_rad, 0}));
+    MapDelta frame;
+    frame.base_version = run.replica.version();
+    frame.version = frame.base_version + 1;
+    frame.manhattan_frames = {{ManhattanId(0), map, axes * ExpSo3({0, axes_off_rad, 0})}};
     Tracker again(Room().camera, TrackerOptions(), 2);
-    for (const MapDelta& delta : owner.Snapshot()) EXPECT_TRUE(again.Apply(delta));
+    for (const MapDelta& delta : run.mapper.Snapshot()) EXPECT_TRUE(again.Apply(delta));
+    EXPECT_TRUE(again.Apply(frame));
     ImageFrame image;
     image.pixels = ImageOf(kPlace);
     FrameFeatures features = again.Extract(image);
@@ -255,7 +258,7 @@ TEST_F(WalksOnBehindALoss, NotWhereTheWayBackIsBroken) {
 TEST(Tracker, StartedAgainItTakesTheMapOver) {
   Lockstep run;
   run.Walk(0, 40);
-  const int keyframes = run.replica.keyframe_end();
+  const int keyframes = KeyframeEnd(run.replica);
   // Another process, in which nothing is left but what the backend tells.
   Tracker again(Room().camera, TrackerOptions(), 2);
   for (const MapDelta& delta : run.mapper.Snapshot()) EXPECT_TRUE(again.Apply(delta));
@@ -334,12 +337,12 @@ TEST(Tracker, FollowsAMapThatChangesUnderIt) {
   Map owner = run.replica;
   const KeyframeId reference = owner.LivingAncestor(run.poses.at(29).reference);
   const SE3 shift(ExpSo3({0.3, 0.2, -0.1}), {2, -1, 0.5});
-  for (int32_t i = 0; i < owner.keyframe_end(); ++i) {
+  for (int i = 0; i < KeyframeEnd(owner); ++i) {
     const Keyframe* keyframe = owner.Find(KeyframeId(i));
     if (keyframe) owner.SetPose(keyframe->id, keyframe->cam_from_world * shift.Inverse());
   }
   std::vector<PointId> points;
-  for (int32_t i = 0; i < owner.point_end(); ++i) {
+  for (int i = 0; i < EndOf(owner.points()); ++i) {
     const MapPoint* point = owner.Find(PointId(i));
     if (!point) continue;
     points.push_back(point->id);

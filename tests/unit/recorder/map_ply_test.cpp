@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/owned_map.h"
+
 namespace vpslam {
 namespace {
 
@@ -26,7 +28,7 @@ std::vector<std::string> Body(const std::string& ply) {
 }
 
 TEST(MapPly, HoldsPointsKeyframesAndLinesOfOneMap) {
-  Map map;
+  OwnedMap map;
   for (int i = 0; i < 3; ++i) map.Insert(MakeKeyframe(i, i == 2 ? 1 : 0));
   map.CreatePoint(MapId(0), KeyframeId(0), {1, 2, -0.0});
   const PointId erased = map.CreatePoint(MapId(0), KeyframeId(0), {9, 9, 9});

@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/owned_map.h"
+
 namespace vpslam {
 namespace {
 
 TEST(DepthQuantile, IsThatOfThePointsAsTheKeyframeSeesThem) {
-  Map map;
+  OwnedMap map;
   Keyframe keyframe;
   keyframe.id = KeyframeId(0);
   keyframe.map = MapId(0);

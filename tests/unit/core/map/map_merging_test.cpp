@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map/map.h"
+#include "core/map/invariants.h"
+#include "core/map/map_replica.h"
+#include "core/map/owned_map.h"
 #include "random_map.h"
 
 namespace vpslam {
@@ -23,13 +25,13 @@ RandomMap TwoMaps() {
 
 TEST(MapMerging, TransformMovesAllOfOneMapAndNothingElse) {
   RandomMap random = TwoMaps();
-  Map& map = random.map;
-  for (int32_t p = 0; p < map.point_end(); ++p) {
+  OwnedMap& map = random.map;
+  for (int32_t p = 0; p < EndOf(map.points()); ++p) {
     if (map.Find(PointId(p))) map.SetView(PointId(p), {0, 0, 1}, 4);
   }
-  const Map before = map;
+  const OwnedMap before = map;
   map.Transform(MapId(1), kSomewhereElse);
-  for (int32_t k = 0; k < map.keyframe_end(); ++k) {
+  for (int32_t k = 0; k < KeyframeEnd(map); ++k) {
     SE3 was, is;
     if (!before.CamFromWorld(KeyframeId(k), &was)) continue;
     ASSERT_TRUE(map.CamFromWorld(KeyframeId(k), &is));
@@ -37,7 +39,7 @@ TEST(MapMerging, TransformMovesAllOfOneMapAndNothingElse) {
     const Eigen::Vector3d center = moves ? kSomewhereElse * was.Center() : was.Center();
     EXPECT_NEAR((is.Center() - center).norm(), 0, 1e-9) << k;
   }
-  for (int32_t p = 0; p < map.point_end(); ++p) {
+  for (int32_t p = 0; p < EndOf(map.points()); ++p) {
     const MapPoint* was = before.Find(PointId(p));
     if (!was) continue;
     const MapPoint& is = *map.Find(PointId(p));
@@ -59,11 +61,11 @@ TEST(MapMerging, TransformMovesAllOfOneMapAndNothingElse) {
 
 TEST(MapMerging, WhatHangsOnAKeyframeFollows) {
   RandomMap random = TwoMaps();
-  Map& map = random.map;
+  OwnedMap& map = random.map;
   const SE3 frame(ExpSo3({0.1, 0.2, 0.3}), Eigen::Vector3d(4, 5, 6));
   std::map<KeyframeId, SE3> hung;
-  for (int32_t k = 0; k < map.keyframe_end(); ++k) {
-    const Keyframe* keyframe = map.FindEvenCulled(KeyframeId(k));
+  for (int32_t k = 0; k < KeyframeEnd(map); ++k) {
+    const KeyframeNode* keyframe = map.FindEvenCulled(KeyframeId(k));
     if (keyframe && keyframe->map == MapId(1)) {
       ASSERT_TRUE(map.Hang(keyframe->id, frame, &hung[keyframe->id]));
     }
@@ -72,7 +74,7 @@ TEST(MapMerging, WhatHangsOnAKeyframeFollows) {
   // Twice, with a keyframe from in between.
   map.Transform(MapId(1), kSomewhereElse);
   random.Step();
-  const KeyframeId between(map.keyframe_end() - 1);
+  const KeyframeId between(KeyframeEnd(map) - 1);
   const SE3 once = TransformWorld(frame, kSomewhereElse);
   ASSERT_TRUE(map.Hang(between, once, &hung[between]));
   map.Transform(MapId(1), kSomewhereElse);
@@ -92,43 +94,42 @@ TEST(MapMerging, WhatHangsOnAKeyframeFollows) {
 
 TEST(MapMerging, AnAbsorbedMapIsPartOfTheOther) {
   RandomMap random = TwoMaps();
-  Map& map = random.map;
+  OwnedMap& map = random.map;
   const int keyframes = map.NumKeyframes(MapId(0)) + map.NumKeyframes(MapId(1));
   const int points = map.NumPoints(MapId(0)) + map.NumPoints(MapId(1));
-  EXPECT_EQ(map.map_end(), 2);
   map.Absorb(MapId(1), MapId(0));
   EXPECT_EQ(map.NumKeyframes(MapId(0)), keyframes);
   EXPECT_EQ(map.NumPoints(MapId(0)), points);
   EXPECT_EQ(map.NumKeyframes(MapId(1)) + map.NumPoints(MapId(1)), 0);
   EXPECT_EQ(map.Resolve(MapId(1)), MapId(0));
   EXPECT_EQ(map.Resolve(MapId(0)), MapId(0));
-  EXPECT_EQ(map.map_end(), 2) << "its id is not used again";
+  EXPECT_EQ(CheckInvariants(map), std::nullopt);
   EXPECT_EQ(map.num_merged(), 1);
 }
 
 TEST(MapMerging, ReplicasFollowByDeltasAndBySnapshot) {
   RandomMap random = TwoMaps();
-  Map& owner = random.map;
-  Map replica;
+  OwnedMap& owner = random.map;
+  MapReplica replica;
   for (const MapDelta& d : owner.TakeDeltas(KeyframeId(), {})) ASSERT_TRUE(replica.Apply(d));
   owner.Transform(MapId(1), kSomewhereElse);
   owner.Absorb(MapId(1), MapId(0));
   for (const MapDelta& d : owner.TakeDeltas(KeyframeId(), {})) ASSERT_TRUE(replica.Apply(d));
-  Map late;
+  MapReplica late;
   for (const MapDelta& d : owner.Snapshot()) ASSERT_TRUE(late.Apply(d));
-  for (const Map* map : {&replica, &late}) {
+  for (const Map* map : std::initializer_list<const Map*>{&replica, &late}) {
     EXPECT_EQ(map->NumKeyframes(MapId(0)), owner.NumKeyframes(MapId(0)));
     EXPECT_EQ(map->NumPoints(MapId(0)), owner.NumPoints(MapId(0)));
     EXPECT_EQ(map->NumKeyframes(MapId(1)) + map->NumPoints(MapId(1)), 0);
     EXPECT_EQ(map->Resolve(MapId(1)), MapId(0));
-    EXPECT_EQ(map->map_end(), 2);
+    EXPECT_EQ(CheckInvariants(*map), std::nullopt);
     const SE3 relative(ExpSo3({0.1, 0, 0}), Eigen::Vector3d(1, 2, 3));
-    for (int32_t k = 0; k < owner.keyframe_end(); ++k) {
+    for (int32_t k = 0; k < KeyframeEnd(owner); ++k) {
       SE3 a, b;
       ASSERT_EQ(owner.Place(KeyframeId(k), relative, &a), map->Place(KeyframeId(k), relative, &b));
       EXPECT_NEAR(LocalCoordinates(a, b).norm(), 0, 1e-9);
     }
-    for (int32_t p = 0; p < owner.point_end(); ++p) {
+    for (int32_t p = 0; p < EndOf(owner.points()); ++p) {
       const MapPoint* point = owner.Find(PointId(p));
       ASSERT_EQ(point == nullptr, map->Find(PointId(p)) == nullptr);
       if (!point) continue;
@@ -141,7 +142,7 @@ TEST(MapMerging, MergersInACircleAreSurvived) {
   MapDelta delta;
   delta.version = 1;
   delta.merged_maps = {{MapId(0), MapId(1)}, {MapId(1), MapId(0)}};
-  Map map;
+  MapReplica map;
   ASSERT_TRUE(map.Apply(delta));
   EXPECT_TRUE(map.Resolve(MapId(0)).IsValid());
 }

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/owned_map.h"
+#include "tests/unit/table_end.h"
+
 namespace vpslam {
 namespace {
 
@@ -13,7 +16,7 @@ class Places {
   explicit Places(uint64_t seed) : rng(seed) {}
 
   std::mt19937_64 rng;
-  Map map;
+  OwnedMap map;
 
   Descriptor Random() { return {rng(), rng(), rng(), rng()}; }
   Descriptor Flipped(Descriptor d, int bits) {
@@ -28,7 +31,7 @@ class Places {
     std::vector<KeyframeId> keyframes;
     for (int i = 0; i < num_keyframes; ++i) {
       Keyframe keyframe;
-      keyframe.id = KeyframeId(map.keyframe_end());
+      keyframe.id = KeyframeId(KeyframeEnd(map));
       keyframe.map = id;
       keyframe.points.resize(2 * num_points);
       map.Insert(keyframe);

@@ -75,9 +75,14 @@ class Drawer : public Visitor<Drawer> {
 
  private:
   template <class T>
+  T RandomId() {
+    const auto session = static_cast<int32_t>(random_.Int(0, T::kMaxSession - 1));
+    return T(session, random_.Int(0, T::kMaxIndex - 1));
+  }
+  template <class T>
   void Draw(T& value, AnyValue) {
     if constexpr (requires { value.IsValid(); }) {
-      value = T(random_.Int(-1, kMaxId));
+      value = random_.Bool() ? RandomId<T>() : T();
     } else {
       ForEachScalar(value, [this](auto& scalar) {
         using Scalar = std::decay_t<decltype(scalar)>;
@@ -95,7 +100,7 @@ class Drawer : public Visitor<Drawer> {
   }
   template <class T>
   void Draw(T& id, Required) {
-    id = T(random_.Int(0, kMaxId));
+    id = RandomId<T>();
   }
   template <class T>
   void Draw(T& value, Between range) {
@@ -185,8 +190,8 @@ class Repairer : public RandomNumbers {
   }
   void Repair(FramePose* p) {
     if (p->state != TrackingState::kTracking) return;
-    p->map.value = std::max(p->map.value, 0);
-    p->reference.value = std::max(p->reference.value, 0);
+    p->map.value = std::max<int64_t>(p->map.value, 0);
+    p->reference.value = std::max<int64_t>(p->reference.value, 0);
   }
   void Repair(KeyframeProposal* k) {
     Repair(&k->lines);
@@ -198,6 +203,10 @@ class Repairer : public RandomNumbers {
     for (auto& p : k->seam.points) p.feature %= n;
   }
   void Repair(MapDelta* d) {
+    for (LineState& line : d->lines) {
+      if (line.axis < 0) line.manhattan = ManhattanId();
+      if (!line.manhattan.IsValid()) line.axis = -1;
+    }
     if (d->version < d->base_version) std::swap(d->version, d->base_version);
   }
   void Repair(Preview* p) { p->jpeg.push_back(1); }

@@ -37,7 +37,7 @@ class Spoiler : public Visitor<Spoiler> {
   static bool Spoil(T& value, AnyValue) {
     bool has_rule = false;
     if constexpr (requires { value.IsValid(); }) {
-      value = T(kMaxId + 1);
+      value = T(T::kMaxSession, 0);
       has_rule = true;
     } else {
       ForEachScalar(value, [&](auto& scalar) {
