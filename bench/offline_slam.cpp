@@ -54,9 +54,10 @@ void Run(const Arguments& arguments, const Settings& settings) {
     for (const FramePose& pose : output.poses) {
       record.Add(pose);
       if (arguments.verbose) {
-        std::fprintf(stderr, "frame %ld state %d live %d inliers %d/%d keyframe %d\n",
+        std::fprintf(stderr, "frame %ld state %d live %d inliers %d/%d keyframe %ld\n",
                      static_cast<long>(pose.frame_seq), static_cast<int>(pose.state), pose.live,
-                     pose.inliers, pose.matches, pose.keyframe.value);
+                     pose.inliers, pose.matches,
+                     static_cast<long>(pose.keyframe.value));
       }
     }
   };

@@ -50,7 +50,7 @@ std::optional<Command> ParseCommand(const std::string& text, std::string* why) {
       *why = "'" + text + "' has more than it takes";
     } else if (!has_value && word.value == Word::Value::kNeeded) {
       *why = "'" + name + "' needs a number behind it";
-    } else if (const Fault fault = Validate(command)) {
+    } else if (const auto fault = Validate(command)) {
       *why = "'" + text + "': " + *fault;
     } else {
       return command;

@@ -4,6 +4,12 @@
 
 namespace vpslam {
 
+OwnedMap::OwnedMap(const Map& map, int32_t session) : Map(map), session_(session) {
+  for (const Keyframe& keyframe : keyframes_) {
+    if (keyframe.parent.IsValid()) children_[keyframe.parent].insert(keyframe.id);
+  }
+}
+
 void OwnedMap::Insert(const Keyframe& keyframe) {
   AddKeyframe(keyframe);
   if (keyframe.parent.IsValid()) children_[keyframe.parent].insert(keyframe.id);

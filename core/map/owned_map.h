@@ -23,6 +23,8 @@ class OwnedMap : public Map {
  public:
   /// `session`: of the ids that are given here; one that never was before, see latest_session().
   explicit OwnedMap(int32_t session = 0) : session_(session) {}
+  /// Goes on with what another owner made. `session`: above those of all landmarks in it.
+  OwnedMap(const Map& map, int32_t session);
 
   /// With the landmarks that it observes, as far as they live.
   void Insert(const Keyframe& keyframe);

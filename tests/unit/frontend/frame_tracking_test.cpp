@@ -37,7 +37,7 @@ TEST(MatchLastFrame, PointsThatAreGoneAreNotLookedForAndFusedOnesAre) {
   }
   ASSERT_GT(ids.size(), 100u);
   // The first is erased; the second is the duplicate of a point that comes with the delta.
-  Map& map = s.map.map;
+  OwnedMap& map = s.map.map;
   map.Erase(ids[0]);
   const int p = s.map.truth.at(ids[1]);
   const PointId better = s.map.AddPoint(p, {KeyframeId(0), KeyframeId(1)});

@@ -197,8 +197,8 @@ TEST(Initializer, SameInputSameMap) {
     return *map;
   };
   const InitialMap a = run(), b = run();
-  EXPECT_EQ(a.second.seq, b.second.seq);
-  EXPECT_EQ(a.second.cam_from_world.translation, b.second.cam_from_world.translation);
+  EXPECT_EQ(a.first.seen->frame_seq, b.first.seen->frame_seq);
+  EXPECT_EQ(a.second_from_first.translation, b.second_from_first.translation);
   ASSERT_EQ(a.points.size(), b.points.size());
   for (size_t i = 0; i < a.points.size(); ++i) {
     EXPECT_EQ(a.points[i].position_in_world, b.points[i].position_in_world);

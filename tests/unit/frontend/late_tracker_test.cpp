@@ -79,7 +79,7 @@ TEST(LateTracker, FollowsTheMapWhenItMoves) {
         0.1);
     // Everything is shifted by more than any window after each step.
     const SE3 shift(ExpSo3({0.1, 0.2, -0.1}), {1, -2, 0.5});
-    Map& map = f.s.map.map;
+    OwnedMap& map = f.s.map.map;
     for (int i = 0; i < 4; ++i) {
       const KeyframeId k(i);
       map.SetPose(k, map.Find(k)->cam_from_world * shift.Inverse());

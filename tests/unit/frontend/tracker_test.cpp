@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/sim3.h"
+#include "core/map/owned_map.h"
 #include "core/geometry/so3.h"
 #include "tests/unit/frontend/lockstep.h"
 
@@ -258,7 +259,6 @@ TEST_F(WalksOnBehindALoss, NotWhereTheWayBackIsBroken) {
 TEST(Tracker, StartedAgainItTakesTheMapOver) {
   Lockstep run;
   run.Walk(0, 40);
-  const int keyframes = KeyframeEnd(run.replica);
   // Another process, in which nothing is left but what the backend tells.
   Tracker again(Room().camera, TrackerOptions(), 2);
   for (const MapDelta& delta : run.mapper.Snapshot()) EXPECT_TRUE(again.Apply(delta));
@@ -271,7 +271,7 @@ TEST(Tracker, StartedAgainItTakesTheMapOver) {
     EXPECT_EQ(output.poses.front().state, TrackingState::kTracking) << i;
     EXPECT_EQ(output.poses.front().map, MapId(0)) << i;
     for (const KeyframeProposal& proposal : output.keyframes) {
-      EXPECT_EQ(proposal.id.value, keyframes + proposed++);
+      EXPECT_EQ(proposal.id, KeyframeId(1, proposed++)) << "a session of its own";
       for (const MapDelta& delta : run.mapper.Process(proposal)) EXPECT_TRUE(again.Apply(delta));
     }
   }
@@ -334,7 +334,7 @@ TEST(Tracker, FollowsAMapThatChangesUnderIt) {
   SE3 before;
   ASSERT_TRUE(run.PoseOf(29, &before));
   // From here on the replica plays the owner, as long as the tracker proposes nothing.
-  Map owner = run.replica;
+  OwnedMap owner(run.replica, 1);
   const KeyframeId reference = owner.LivingAncestor(run.poses.at(29).reference);
   const SE3 shift(ExpSo3({0.3, 0.2, -0.1}), {2, -1, 0.5});
   for (int i = 0; i < KeyframeEnd(owner); ++i) {

@@ -30,7 +30,7 @@ inline KeyframeState MakeKeyframe(int id, int map, int64_t frame_seq, const SE3&
   return k;
 }
 
-inline void AddPoint(int id, int map, const Eigen::Vector3f& position, MapDelta* delta) {
+inline void AddPoint(int id, int map, const Eigen::Vector3d& position, MapDelta* delta) {
   PointAppearance a;
   a.id = PointId(id);
   a.map = MapId(map);

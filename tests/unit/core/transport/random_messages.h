@@ -77,7 +77,7 @@ class Drawer : public Visitor<Drawer> {
   template <class T>
   T RandomId() {
     const auto session = static_cast<int32_t>(random_.Int(0, T::kMaxSession - 1));
-    return T(session, random_.Int(0, T::kMaxIndex - 1));
+    return T(session, random_.Int<int64_t>(0, T::kMaxIndex - 1));
   }
   template <class T>
   void Draw(T& value, AnyValue) {
