@@ -30,13 +30,13 @@ int MatchLastFrame(const TrackingContext& context, const Frame& last, const SE3&
 int MatchKeyframe(const TrackingContext& context, KeyframeId keyframe, const SE3& cam_from_world,
                   Frame* frame);
 
-/// What the frame's matches say about its pose: `features` and `segments` receive the index of
-/// each. Matches with what is gone are taken away.
+/// What the frame's matches say about its pose. `features` and `segments` receive the index of the
+/// feature or segment behind each measurement. Matches with landmarks that were erased are removed.
 PoseMeasurements Measure(const TrackingContext& context, Frame* frame, std::vector<int>* features,
                          std::vector<int>* segments);
 
-/// Optimises the pose from the frame's matches and, if there is one, a measured rotation; those
-/// that do not fit are taken away. Returns the number that fit.
+/// Optimises the pose from the frame's matches and, if there is one, a measured rotation. Matches
+/// that do not fit are removed. Returns the number of points that fit.
 int OptimizeFrame(const TrackingContext& context, const PoseOptimizerOptions& options, Frame* frame,
                   const std::optional<RotationMeasurement>& rotation = {});
 

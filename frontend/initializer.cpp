@@ -83,12 +83,13 @@ std::optional<InitialMap> Initializer::Add(const Frame& frame, std::mt19937_64& 
   for (const Match& m : matches) {
     const Keypoint& a = reference_features.keypoints[m.first];
     const Keypoint& b = features.keypoints[m.second];
-    pairs.push_back({a.Position(), b.Position(), scales_.scale(a.octave), scales_.scale(b.octave)});
+    pairs.push_back(
+        {a.Position(), b.Position(), scales_->scale(a.octave), scales_->scale(b.octave)});
   }
   const std::vector<bool> resting = RestingMatches(pairs, options_.resting);
   Remove(resting, &matches);
   Remove(resting, &pairs);
-  const TwoViewResult result = EstimateTwoView(camera_, pairs, options_.two_view, rng);
+  const TwoViewResult result = EstimateTwoView(*camera_, pairs, options_.two_view, rng);
   const TwoViewCandidate* motion = Decide(result, frame.seen->lines.get());
   if (!motion) return std::nullopt;
   return MakeInitialMap(*reference_, matches, *motion);

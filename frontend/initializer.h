@@ -27,11 +27,12 @@ struct InitialMap {
 
 class Initializer {
  public:
+  /// `camera` and `scales` must outlive it.
   Initializer(const Camera& camera, const ScalePyramid& scales, const InitializerOptions& options)
-      : camera_(camera), scales_(scales), options_(options) {}
+      : camera_(&camera), scales_(&scales), options_(options) {}
 
+  /// Tries the frame as second view; without success it may become the reference.
   std::optional<InitialMap> Add(const Frame& frame, std::mt19937_64& rng);
-  void Reset() { reference_.reset(); }
 
  private:
   void TakeAsReference(const Frame& frame);
@@ -39,8 +40,8 @@ class Initializer {
   /// `lines`: of the second view; may be nullptr.
   const TwoViewCandidate* Decide(const TwoViewResult& result, const LineSet* lines) const;
 
-  const Camera& camera_;
-  const ScalePyramid& scales_;
+  const Camera* camera_;
+  const ScalePyramid* scales_;
   InitializerOptions options_;
   std::optional<Frame> reference_;
   std::vector<Eigen::Vector2f> predicted_px_;  ///< per feature of the reference: where last seen

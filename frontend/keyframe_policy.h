@@ -8,17 +8,18 @@
 
 namespace vpslam {
 
-/// What was proposed before.
+/// The keyframes that were proposed before.
 struct EarlierKeyframes {
-  int frames_since = 0;  ///< the last one
-  int unanswered = 0;    ///< how many the map does not have yet; 0 in lockstep
+  int frames_since = 0;  ///< frames since the last one
+  int unanswered = 0;    ///< how many of them the map does not have yet; 0 in lockstep
 };
 
-/// Whether the frame shows so little of the map that it is soon lost without new points.
+/// Whether the frame shows so little of the map that the camera is soon lost without new points.
 bool IsWeaklyTracked(const Frame& frame, KeyframeId reference, const Map& map,
                      const KeyframePolicyOptions& options);
 
-/// `reference`: the keyframe that shares most points with the frame.
+/// Whether the frame should become a keyframe. `reference`: the keyframe that shares most points
+/// and lines with the frame.
 bool IsKeyframe(const Frame& frame, KeyframeId reference, const EarlierKeyframes& earlier,
                 const Map& map, const KeyframePolicyOptions& options);
 

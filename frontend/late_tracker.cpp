@@ -8,7 +8,7 @@
 namespace vpslam {
 namespace {
 
-// A walk that failed so often in a row has left what the map shows.
+// After so many failures in a row the walk has left what the map shows, and ends.
 constexpr int kMaxFailures = 3;
 
 }  // namespace

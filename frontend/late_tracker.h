@@ -20,30 +20,32 @@ class LateTracker {
  public:
   explicit LateTracker(const TrackerOptions& options) : options_(options) {}
 
-  /// `frames`: in order of time, from before the map stood. `first`: the frame that became the
-  /// map's first keyframe, with `reference` set to it; `second_seq`: the frame of the second.
+  /// Places frames around the start of a map: those between its first two keyframes, then those
+  /// before, backwards. `frames`: in order of time. `first`: the frame that became the map's first
+  /// keyframe, with `reference` set to it. `second_seq`: the number of the second's frame.
   void Start(std::vector<Frame> frames, const Frame& first, int64_t second_seq);
-  /// `frames`: in order of time, of a loss; those before `found`, which was placed, are tried.
+  /// Places the frames of a loss backwards from `found`, the frame with which it ended. `frames`:
+  /// in order of time.
   void Return(std::vector<Frame> frames, const Frame& found);
   bool Busy() const { return !walks_.empty(); }
 
   /// Works on one frame; returns it if it could be placed.
   std::optional<Frame> Step(const TrackingContext& context);
 
-  /// The frame that was placed last, as it was returned, became a keyframe: the walk goes on from
-  /// it with all that it shows then.
+  /// The frame that was placed last became a keyframe. Once that is in the map, the walk goes on
+  /// with all the points that it has then.
   void GoOnFrom(const Frame& keyframe);
-  /// What is left of the walk at hand is not worth it.
+  /// The rest of the walk at hand is not to be placed.
   void EndWalk() { walks_.front().todo.clear(); }
-  /// Frames that were placed since that, or since the walk began.
+  /// Frames that were placed since the last keyframe of the walk, or since the walk began.
   int frames_since_keyframe() const { return walks_.front().frames_since_keyframe; }
-  /// Whether that keyframe is still on its way into the map.
+  /// Whether the last keyframe of the walk is still on its way into the map.
   bool Waits(const Map& map) const {
     return Busy() && walks_.front().last.placement.reference > map.latest_keyframe();
   }
 
  private:
-  /// Frames still to be placed, next first, and the last that was.
+  /// Frames still to be placed, the next one first, and the one that was placed last.
   struct Walk {
     std::deque<Frame> todo;
     Frame last;

@@ -41,12 +41,12 @@ class Placement {
   /// Lets the pose hang on `keyframe` of the map: `reference`, `cam_from_reference` and `unit`.
   /// False if the map does not have that keyframe.
   bool HangOn(const Map& map, KeyframeId keyframe);
-  /// The frame is keyframe `id` itself, which is still to come into the map.
+  /// The frame was proposed as keyframe `id`: its pose hangs on that from now on.
   void BecomeKeyframe(KeyframeId id);
-  /// The map has changed: the pose moves with the keyframe that it hangs on, and if that is the
-  /// frame `frame_seq` itself, its points and lines are the frame's. `velocity` (of cameras, may be
-  /// nullptr) keeps up with the map's unit of length. False if that keyframe is not there (any
-  /// more).
+  /// To be called when the map may have changed. The pose moves with the keyframe that it hangs on.
+  /// If the frame (which showed `seen`) is that keyframe, it takes over the keyframe's matches.
+  /// `velocity` (from camera to camera, may be nullptr) is brought to the map's present unit of
+  /// length. False if the map does not have that keyframe: then only map() is brought up to date.
   bool Follow(const Map& map, const FrameObservation& seen, SE3* velocity);
 
   /// What the pose rests on.

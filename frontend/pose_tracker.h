@@ -22,18 +22,20 @@ class PoseTracker {
   PoseTracker(const TrackingContext& context, const TrackerOptions& options)
       : context_(context), options_(options), paper_rotation_(context.camera, options.rotation) {}
 
-  /// From what `last` saw, where `velocity` (this frame's camera from the last one's) leads the
-  /// frame, or else from the keyframe that `last` hangs on. False if neither shows enough.
+  /// A first pose: from the points and lines that `last` saw, predicted with `velocity` (this
+  /// frame's camera from the last one's), or else from the points of the keyframe that `last` hangs
+  /// on. False if too few of them are found both times.
   bool TrackFrom(const Frame& last, const std::optional<SE3>& velocity, Frame* frame) const;
 
-  /// From the points and lines of its map around the frame's pose, and the modes of rotation and
-  /// translation. `local` receives what is around. False if too little of it is found.
+  /// The pose from all points and lines of the map around the first pose, and with the modes of
+  /// rotation and translation. `local` receives what is around. False if too little of it is found.
   bool TrackLocalMap(std::mt19937_64& rng, Frame* frame, LocalMap* local);
 
-  /// How often each point of the local map was to be seen, and was found, since the last call.
+  /// How often each point was predicted visible, and was really found, since the last call.
   std::vector<PointSighting> TakeSightings();
 
-  /// The frames to come are in another world, or elsewhere: the paper's directions are taken anew.
+  /// Drops the directions that the paper's mode has frozen. To be called when the frames to come
+  /// are in other coordinates, or in another place.
   void ForgetDirections() { paper_rotation_.Reset(); }
 
  private:
@@ -44,13 +46,15 @@ class PoseTracker {
   bool TrackWithMotion(const Frame& last, const std::optional<SE3>& velocity, Frame* frame) const;
   bool TrackWithKeyframe(const Frame& last, Frame* frame) const;
   std::optional<RotationMeasurement> MeasuredRotation(const Frame& frame) const;
-  /// What the paper does after the pose was optimised.
+  /// The paper's modes: overwrites rotation and translation after the pose was optimised.
   void Overwrite(std::mt19937_64& rng, Frame* frame);
 
   const TrackingContext& context_;
   const TrackerOptions& options_;
   PaperRotation paper_rotation_;
-  KeyframeId reference_in_map_;  ///< of the last frame, where that became a keyframe itself
+  /// The keyframe that shared most with the last frame. It stands in for the frame's own keyframe
+  /// while that is still on its way into the map.
+  KeyframeId reference_in_map_;
   std::map<PointId, SightingCounts> sightings_;
 };
 

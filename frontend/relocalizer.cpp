@@ -64,7 +64,7 @@ bool SolvePose(const TrackingContext& context, std::mt19937_64& rng, Frame* fram
 }  // namespace
 
 /// The pose from a few matches may be crude: look farther around first.
-bool Relocalizer::Refine(const TrackingContext& context, const Whereabouts& whereabouts,
+bool Relocalizer::Refine(const TrackingContext& context, const RelocalizationGate& gate,
                          Frame* frame) const {
   size_t num_visible = 0;
   for (const double radius_factor : {4.0, 1.0}) {
@@ -75,8 +75,8 @@ bool Relocalizer::Refine(const TrackingContext& context, const Whereabouts& wher
     num_visible = visible.size();
   }
   const Placement& placement = frame->placement;
-  const bool is_near = whereabouts.Allow(context.map, placement.map(), placement.cam_from_world,
-                                         frame->seen->stamp_us);
+  const bool is_near =
+      gate.Allow(context.map, placement.map(), placement.cam_from_world, frame->seen->stamp_us);
   const double min_share =
       is_near ? options_.relocalizer.min_found_share : options_.relocalizer.min_found_share_far;
   return placement.inliers >= options_.local_map.min_inliers_after_loss &&
@@ -84,20 +84,20 @@ bool Relocalizer::Refine(const TrackingContext& context, const Whereabouts& wher
 }
 
 bool Relocalizer::TryPlace(const TrackingContext& context, KeyframeId keyframe,
-                           const Whereabouts& whereabouts, std::mt19937_64& rng,
+                           const RelocalizationGate& gate, std::mt19937_64& rng,
                            Frame* frame) const {
   const RelocalizerOptions& options = options_.relocalizer;
   return MatchPlace(context, keyframe, options.neighbours, frame) >= options.min_matches &&
-         SolvePose(context, rng, frame) && Refine(context, whereabouts, frame);
+         SolvePose(context, rng, frame) && Refine(context, gate, frame);
 }
 
 bool Relocalizer::Find(const TrackingContext& context, const std::vector<MapId>& except,
-                       const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame) {
+                       const RelocalizationGate& gate, std::mt19937_64& rng, Frame* frame) {
   index_.Update(context.map, except);
   const auto places = index_.Query(context.map, frame->seen->features.descriptors,
                                    options_.relocalizer.max_candidates);
   for (const auto& [keyframe, votes] : places) {
-    if (TryPlace(context, keyframe, whereabouts, rng, frame)) return true;
+    if (TryPlace(context, keyframe, gate, rng, frame)) return true;
   }
   frame->placement = Placement();
   return false;

@@ -8,8 +8,8 @@
 #include "core/map/place_index.h"
 #include "frontend/frame.h"
 #include "frontend/frame_tracking.h"
+#include "frontend/relocalization_gate.h"
 #include "frontend/tracker_options.h"
-#include "frontend/whereabouts.h"
 
 namespace vpslam {
 
@@ -18,15 +18,16 @@ class Relocalizer {
   explicit Relocalizer(const TrackerOptions& options)
       : options_(options), index_(options.relocalizer.places) {}
 
-  /// In any map but those in `except` (ascending). Places that `whereabouts` don't allow need more
-  /// evidence. On success the frame is placed in the map where it was found; otherwise in none.
+  /// In any map but those in `except` (ascending). Places that `gate` does not allow need
+  /// more evidence. On success the frame is placed in the map where it was found; otherwise in
+  /// none.
   bool Find(const TrackingContext& context, const std::vector<MapId>& except,
-            const Whereabouts& whereabouts, std::mt19937_64& rng, Frame* frame);
+            const RelocalizationGate& gate, std::mt19937_64& rng, Frame* frame);
 
  private:
-  bool TryPlace(const TrackingContext& context, KeyframeId keyframe, const Whereabouts& whereabouts,
+  bool TryPlace(const TrackingContext& context, KeyframeId keyframe, const RelocalizationGate& gate,
                 std::mt19937_64& rng, Frame* frame) const;
-  bool Refine(const TrackingContext& context, const Whereabouts& whereabouts, Frame* frame) const;
+  bool Refine(const TrackingContext& context, const RelocalizationGate& gate, Frame* frame) const;
 
   TrackerOptions options_;
   PlaceIndex index_;

@@ -16,7 +16,8 @@ std::optional<MapSeam> SeamFinder::Look(const TrackingContext& context, const Fr
   frames_to_wait_ = options_.interval_frames;
   Frame elsewhere;
   elsewhere.seen = frame.seen;
-  if (!relocalizer->Find(context, except, Whereabouts(), rng, &elsewhere)) return std::nullopt;
+  if (!relocalizer->Find(context, except, RelocalizationGate(), rng, &elsewhere))
+    return std::nullopt;
   MapSeam seam;
   seam.map = elsewhere.placement.map();
   int common = 0;

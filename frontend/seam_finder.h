@@ -1,5 +1,5 @@
-// Notices that a frame which is tracked in one map shows another map as well, so that the backend
-// can merge the two.
+// Finds candidates for merging two maps ("seams"): frames that are tracked in one map and show
+// another one as well.
 #pragma once
 
 #include <optional>

@@ -135,7 +135,8 @@ struct RelocalizerOptions {
   /// like another one, a door like the next door, shows few of them: mostly below 0.12 in a
   /// corridor, where true returns in four sequences show 0.15 and more.
   double min_found_share = 0.12;
-  /// The same where the camera can't have come in the time since it was seen (whereabouts.h).
+  /// The same where the camera can't have come in the time since it was seen
+  /// (relocalization_gate.h).
   double min_found_share_far = 0.2;
   /// Frames that the camera is lost before a new map is begun; the old one stays.
   int frames_to_new_map = 30;
@@ -168,14 +169,16 @@ struct SeamOptions {
 
 /// When a frame becomes a keyframe. Counts frames, never time, so that all paces behave alike.
 struct KeyframePolicyOptions {
-  double max_tracked_ratio = 0.95;  ///< of the reference keyframe's points
-  int min_frames = 1;               ///< since the last keyframe
+  /// Of the reference keyframe's points and lines that have three observations or more (in a map of
+  /// two keyframes, two): a frame that shows fewer becomes a keyframe.
+  double max_tracked_ratio = 0.95;
+  int min_frames = 1;  ///< since the last keyframe
   int min_inliers = 15;
   /// Where the backend works beside the tracker: with as many keyframes under work, further ones
   /// are left out. With tracking weak, up to max_unanswered_when_weak may be.
   int max_unanswered = 1;
   int max_unanswered_when_weak = 2;
-  double weak_tracked_ratio = 0.5;  ///< of the reference keyframe's points ...
+  double weak_tracked_ratio = 0.5;  ///< of the same points and lines ...
   int weak_support = 120;           ///< ... or points and lines in all
 
   template <class V>
@@ -207,9 +210,9 @@ struct TrackerOptions {
   int probation_keyframes = 6;
   /// Frames kept, as features, to be placed in the map later.
   int max_buffered_frames = 300;
-  int late_frames_per_frame = 2;  ///< how many of these are worked on beside each new frame
-  /// Of those that see little of the map, or tie two maps together, how many make a keyframe: one
-  /// after the other they show no parallax.
+  int late_frames_per_frame = 2;  ///< how many of these are worked on after each new frame
+  /// Late frames that see little of the map, or tie two maps together, become keyframes, but only
+  /// one in so many of them: neighbours show too little parallax.
   int late_frames_per_keyframe = 3;
 
   template <class V>

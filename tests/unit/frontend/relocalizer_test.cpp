@@ -9,11 +9,11 @@ namespace {
 
 bool Relocalize(const TrackingScene& s, uint64_t seed, Frame* frame,
                 const std::vector<MapId>& except = {}, const RelocalizerOptions& options = {},
-                const Whereabouts& whereabouts = {}) {
+                const RelocalizationGate& gate = {}) {
   std::mt19937_64 rng(seed);
   TrackerOptions tracking;
   tracking.relocalizer = options;
-  return Relocalizer(tracking).Find(s.context(), except, whereabouts, rng, frame);
+  return Relocalizer(tracking).Find(s.context(), except, gate, rng, frame);
 }
 
 TEST(Relocalizer, FindsAFrameWithoutAnyIdeaOfWhereItIs) {
@@ -90,16 +90,15 @@ TEST(Relocalizer, APlaceThatShowsLittleOfWhatIsThereIsAnother) {
 
 TEST(Relocalizer, WhereItCannotHaveComeMoreIsAskedFor) {
   TrackingScene s(9, {.num_points = 2400});
-  Whereabouts whereabouts;
-  whereabouts.See(s.TrackedFrame(PoseAt({100, 0, 0}), 0));
+  RelocalizationGate gate;
+  gate.See(s.TrackedFrame(PoseAt({100, 0, 0}), 0));
   Frame frame = s.NewFrame(PoseAt({0.3, 0, 0}), 1);
   HideAllBut(200, s, &frame);
   s.SetStamp(1'000'000, &frame);
   EXPECT_TRUE(Relocalize(s, 1, &frame)) << "one in six of about 1200 points";
-  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {}, whereabouts))
-      << "a hundred units away a second ago";
+  EXPECT_FALSE(Relocalize(s, 1, &frame, {}, {}, gate)) << "a hundred units away a second ago";
   s.SetStamp(60'000'000, &frame);
-  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, {}, whereabouts)) << "a minute ago";
+  EXPECT_TRUE(Relocalize(s, 1, &frame, {}, {}, gate)) << "a minute ago";
 }
 
 TEST(Relocalizer, NotInAMapThatIsLeftOut) {

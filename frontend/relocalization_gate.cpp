@@ -1,4 +1,4 @@
-#include "frontend/whereabouts.h"
+#include "frontend/relocalization_gate.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ double ToSeconds(int64_t duration_us) { return 1e-6 * static_cast<double>(durati
 
 }  // namespace
 
-void Whereabouts::See(const Frame& frame) {
+void RelocalizationGate::See(const Frame& frame) {
   constexpr int64_t kWindow_us = 1'000'000;
   const int64_t stamp_us = frame.seen->stamp_us;
   while (!sightings_.empty() && sightings_.back().stamp_us >= stamp_us) sightings_.pop_back();
@@ -19,8 +19,8 @@ void Whereabouts::See(const Frame& frame) {
   while (sightings_.front().stamp_us < stamp_us - kWindow_us) sightings_.pop_front();
 }
 
-bool Whereabouts::Allow(const Map& map, MapId map_id, const SE3& cam_from_world,
-                        int64_t stamp_us) const {
+bool RelocalizationGate::Allow(const Map& map, MapId map_id, const SE3& cam_from_world,
+                               int64_t stamp_us) const {
   constexpr double kMaxSpeedUp = 3;
   constexpr double kMaxDepthsPerSecond = 1;
   SE3 first, last;
