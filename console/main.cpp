@@ -29,6 +29,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 BusOptions OptionsOf(const std::string& url) {
+  RequireGraphUrl(url);
   BusOptions options;
   options.url = url;
   return options.WithEnvironment();

@@ -23,11 +23,7 @@ namespace vpslam {
 namespace {
 
 BusOptions MakeBusOptions(const ProcessOptions& options) {
-  if (!options.url.starts_with("udpm://")) {
-    throw std::runtime_error("--url " + options.url +
-                             ": reaches no other process; a graph needs udpm://, such as " +
-                             BusOptions().url);
-  }
+  RequireGraphUrl(options.url);
   BusOptions bus;
   bus.url = options.url;
   bus.session = options.session;
@@ -97,6 +93,13 @@ std::string VersionLine() {
   return fmt::format("{} (commit {}, protocol {})", VPSLAM_VERSION, GitCommit(), kProtocolVersion);
 }
 
+void RequireGraphUrl(const std::string& url) {
+  if (url.starts_with("udpm://")) return;
+  throw std::runtime_error("--url " + url +
+                           ": reaches no other process; a graph needs udpm://, such as " +
+                           BusOptions().url);
+}
+
 void AddProcessOptions(CLI::App& app, ProcessOptions* options) {
   app.set_version_flag("--version", options->name + " " + VersionLine());
   app.add_option("--url", options->url, "LCM URL of the graph")->capture_default_str();
@@ -151,10 +154,13 @@ void Process::RefuseForerunner(const ProcessStatus& other, int64_t other_session
 }
 
 void Process::CheckGraph() {
-  constexpr std::chrono::seconds kSelfTest{3};
-  constexpr std::chrono::milliseconds kForAnswers{50};
+  constexpr int kTries = 50;
+  constexpr std::chrono::milliseconds kPerTry{100}, kForAnswers{50};
   const auto hears_itself = [this] { return peers.NeverHeard({options.name}).empty(); };
-  if (!bus.WaitFor(hears_itself, kSelfTest) && !bus.interrupted()) {
+  int tries = 0;
+  while (!bus.WaitFor(hears_itself, kPerTry) && !bus.interrupted()) {
+    status.PublishNow();  // a network may lose some
+    if (++tries < kTries) continue;
     throw std::runtime_error(
         fmt::format("what is sent to {} does not come back; does a firewall drop UDP to "
                     "224.0.0.0/4, or has the route for multicast gone?",

@@ -41,6 +41,9 @@ std::string VersionLine();
 /// git commit at configure time, or "unknown".
 std::string GitCommit();
 
+/// Throws std::runtime_error, with one line, for an LCM URL over which no other process is reached.
+void RequireGraphUrl(const std::string& url);
+
 /// Adds --url, --session, --log-level, --require, --pace, --record and --version. `options` must
 /// outlive the parsing and holds the defaults.
 void AddProcessOptions(CLI::App& app, ProcessOptions* options);

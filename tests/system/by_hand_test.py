@@ -38,10 +38,13 @@ class ByHand(system.SystemTest):
             process.stdout.close()
 
     def start_process(self, name, *arguments, url=URL):
+        return self.start_inside(name, f"{BIN}/{name}", "--url", url, *arguments)
+
+    def start_inside(self, name, *command):
         entrance = ["nsenter", "--user", "--net", "--preserve-credentials", "--target",
                     str(self.network_holder.pid)] if self.network else []
         process = subprocess.Popen(
-            [*entrance, f"{BIN}/{name}", "--url", url, *map(str, arguments)], cwd=self.folder,
+            [*entrance, *map(str, command)], cwd=self.folder,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             env=dict(os.environ, TAG=self.tag))
         process.name = name
@@ -125,6 +128,23 @@ class ByHand(system.SystemTest):
             status, output = self.end_of(process)
             self.assertEqual(status, 0, output)
             self.assertLess(time.monotonic() - begin, 3)
+
+    def test_a_stream_that_does_not_answer_holds_up_no_end(self):
+        server = self.start_inside(
+            "server", "/usr/bin/python3", "-u", "-c",
+            "import socket, time; server = socket.create_server(('127.0.0.1', 8123)); "
+            "print('listens'); time.sleep(100)")
+        self.wait_for_line(server, "listens")
+        player = self.start_process("player", "http://127.0.0.1:8123/camera", "--camera",
+                                    system.sequence() / "camera.yaml")
+        time.sleep(1.5)
+        self.assertIsNone(player.poll(), "it waits for the server")
+        begin = time.monotonic()
+        player.send_signal(signal.SIGINT)
+        status, output = self.end_of(player)
+        self.assertEqual(status, 0, output)
+        self.assertIn("stopped before the sequence was open", output)
+        self.assertLess(time.monotonic() - begin, 3)
 
     def test_urls_that_reach_nobody_are_refused(self):
         for url, expected in (("memq://", "memq://: reaches no other process"),
