@@ -41,7 +41,7 @@ std::optional<std::string> Camera::Validate() const {
   if (cx < -width || cx > 2.0 * width || cy < -height || cy > 2.0 * height) {
     return "the principal point lies far outside the image";
   }
-  if (fps <= 0 || fps > 10000) return "fps must lie in 0 to 10000";
+  if (fps <= 0 || fps > 10000) return "fps must be more than 0 and at most 10000";
   return ImageMask::Fault(mask_runs, width, height);
 }
 
