@@ -66,6 +66,76 @@ TEST_F(DecodeImage, MakesColourAndSixteenBitsGrey) {
   EXPECT_EQ(from_16.grey.at<uint8_t>(5, 5), 0x80);
 }
 
+TEST_F(DecodeImage, StretchesWhatDoesNotFillSixteenBits) {
+  for (const int bits : {10, 12, 14, 16}) {
+    const int most = (1 << bits) - 1;
+    cv::Mat ramp(48, 64, CV_16UC1);
+    for (int i = 0; i < 48 * 64; ++i) {
+      ramp.at<uint16_t>(i / 64, i % 64) = static_cast<uint16_t>(i * most / (48 * 64 - 1));
+    }
+    for (const char* name : {"ramp.png", "ramp.tiff"}) {
+      const std::string path = Write(name, ramp);
+      const DeepPixels deep = LookForDeepPixels({Write("shallow.png", noise_), path});
+      EXPECT_EQ(deep.path, path);
+      EXPECT_EQ(deep.range.low, 0);
+      EXPECT_EQ(deep.range.high, most);
+      const cv::Mat grey = DecodeGrey(path, deep.range).grey;
+      ASSERT_EQ(grey.type(), CV_8UC1);
+      for (int i = 0; i < 48 * 64; i += 7) {
+        EXPECT_NEAR(grey.at<uint8_t>(i / 64, i % 64), i * 255.0 / (48 * 64 - 1), 1) << bits;
+      }
+    }
+  }
+  EXPECT_EQ(LookForDeepPixels({Write("shallow.png", noise_)}).path, "");
+}
+
+TEST_F(DecodeImage, StretchesThermalImagesToTheirContent) {
+  cv::Mat thermal(48, 64, CV_16UC1);
+  cv::randu(thermal, 7000, 7400);
+  const std::string path = Write("thermal.png", thermal);
+  const GreyRange range = LookForDeepPixels({path}).range;
+  EXPECT_NEAR(range.low, 7000 - 40, 5);
+  EXPECT_NEAR(range.high, 7400 + 40, 5);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(DecodeGrey(path, range).grey, mean, deviation);
+  EXPECT_NEAR(mean[0], 127.5, 5);
+  EXPECT_GT(deviation[0], 50);
+}
+
+TEST_F(DecodeImage, OneHotPixelDoesNotDarkenAll) {
+  cv::Mat image(480, 640, CV_16UC1);
+  cv::randu(image, 0, 1024);
+  image.at<uint16_t>(100, 100) = 65535;
+  EXPECT_EQ(LookForDeepPixels({Write("hot.png", image)}).range.high, 1023);
+}
+
+TEST_F(DecodeImage, ObeysTheMaxvalOfAPgm) {
+  const auto write = [&](const char* name, const std::string& bytes) {
+    std::ofstream(Path(name), std::ios::binary) << bytes;
+    return Path(name);
+  };
+  const auto values = [](const cv::Mat& grey) {
+    return std::vector<int>(grey.begin<uint8_t>(), grey.end<uint8_t>());
+  };
+  const std::vector<int> expected = {0, 64, 128, 255};
+  const std::string twelve = std::string("\0\0", 2) + "\x04\x04" + "\x08\x08" + "\x0F\xFF";
+  EXPECT_EQ(values(DecodeGrey(write("a.pgm", "P5\n# 12 bits\n4 1\n4095\n" + twelve)).grey),
+            expected);
+  EXPECT_EQ(
+      values(DecodeGrey(write("b.pgm", std::string("P5 4 1 63\n\0\x10\x20\x3F", 14))).grey)[3],
+      255);
+  EXPECT_EQ(values(DecodeGrey(write("c.pgm", "P2\n4 1\n4095\n0 1028 2056 4095\n")).grey), expected);
+  EXPECT_EQ(values(DecodeGrey(write("d.pgm", "P2\n4 1\n63\n0 16 32 63\n")).grey)[3], 255);
+  EXPECT_EQ(LookForDeepPixels({Path("a.pgm")}).range.high, 4095);
+}
+
+TEST_F(DecodeImage, RefusesFloatingPointByName) {
+  cv::Mat floating(48, 64, CV_32FC1);
+  cv::randu(floating, 0, 1);
+  EXPECT_THAT(DecodeGrey(Write("float.tiff", floating)).fault,
+              ::testing::HasSubstr("floating-point"));
+}
+
 TEST_F(DecodeImage, TellsWhatIsWrong) {
   EXPECT_EQ(DecodeGrey(Path("nowhere.png")).fault, "is missing or cannot be opened");
   EXPECT_EQ(DecodeGrey(Path(".")).fault, "is a folder");
