@@ -70,6 +70,7 @@ Json SummarizeLog(const std::string& path) {
   }
   return {{"events", events},
           {"damaged_bytes", log.damaged_bytes()},
+          {"damaged_places", log.damaged_places()},
           {"duration_s", 1e-6 * static_cast<double>(last_us - first_us)},
           {"run", run},
           {"camera", camera},

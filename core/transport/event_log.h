@@ -36,6 +36,8 @@ class EventLogWriter {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Leaves out what is damaged and goes on behind it: foreign bytes, and events that were cut off
+/// before others were appended. Code of its own, since LCM 1.3.1 ends at the first of these.
 class EventLogReader {
  public:
   /// Throws std::runtime_error with one line if there is no such log.
@@ -44,11 +46,20 @@ class EventLogReader {
   EventLogReader(const EventLogReader&) = delete;
   EventLogReader& operator=(const EventLogReader&) = delete;
 
-  /// nullopt at the end, also where the last event is cut off (its writer was killed), and where
-  /// the file is damaged: LCM reads no further.
+  /// The next whole event; nullopt at the end, also where the last event is cut off (its writer was
+  /// killed).
   std::optional<LogEvent> Next();
-  /// Bytes at the end that belong to no whole event; 0 before Next() came to the end.
+
+  /// Of the event that Next() gave; ReadAt takes it.
+  int64_t position() const;
+  /// The event at a position() of this log, whatever Next() comes to.
+  LogEvent ReadAt(int64_t position);
+
+  /// Bytes so far that belong to no whole event, and in how many places they are.
   int64_t damaged_bytes() const;
+  int64_t damaged_places() const;
+  /// Whether the file ends within an event; known when Next() came to the end.
+  bool cut_off() const;
 
  private:
   class Impl;

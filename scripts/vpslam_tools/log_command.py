@@ -31,7 +31,8 @@ def describe(summary):
         lines.append("camera   {width} x {height} px".format(**summary["camera"]))
     lines.append(f"length   {summary['duration_s']:.1f} s, {summary['events']} messages")
     if summary["damaged_bytes"]:
-        lines.append(f"damaged  {summary['damaged_bytes']} bytes, which are left out")
+        lines.append(f"damaged  {summary['damaged_bytes']} bytes in {summary['damaged_places']} "
+                     "places, which are left out")
     unended = [name for name, channel in summary["channels"].items()
                if name in ("IMAGE", "FEATURES") and not channel["ended"]]
     if unended:

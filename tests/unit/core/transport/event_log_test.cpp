@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -65,15 +68,53 @@ TEST_F(EventLog, TellsWhatWasOverwritten) {
     }
     EXPECT_EQ(sound.damaged_bytes(), 0);
   }
-  // LCM reads no further than to the event before the damage.
   constexpr int kFirst = 28 + 4, kSecond = 28 + 3 + 1;
   std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
   for (int at = 0; at < 4; ++at) file.seekp(kFirst + kSecond + at).put('\0');
   file.close();
   EventLogReader log(path_.string());
-  EXPECT_TRUE(log.Next());
-  EXPECT_FALSE(log.Next());
-  EXPECT_EQ(log.damaged_bytes(), static_cast<int64_t>(fs::file_size(path_)) - kFirst);
+  int events = 0;
+  while (log.Next()) ++events;
+  EXPECT_EQ(events, 19) << "all but the one whose sync word is gone";
+  EXPECT_EQ(log.damaged_bytes(), 28 + 4 + 2);
+  EXPECT_EQ(log.damaged_places(), 1);
+}
+
+TEST_F(EventLog, GoesOnBehindForeignBytes) {
+  Write(20);
+  std::ifstream in(path_, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  constexpr int kFirstTwo = 28 + 4 + 28 + 3 + 1;
+  bytes.insert(kFirstTwo, "\xED\xA1 nine");
+  std::ofstream(path_, std::ios::binary) << bytes;
+  EventLogReader log(path_.string());
+  int events = 0;
+  for (; const auto event = log.Next(); ++events) EXPECT_EQ(event->stamp_us, 1000 + events);
+  EXPECT_EQ(events, 20);
+  EXPECT_EQ(log.damaged_bytes(), 7);
+  EXPECT_EQ(log.damaged_places(), 1);
+  EXPECT_FALSE(log.cut_off());
+}
+
+TEST_F(EventLog, FindsWhatWasAppendedToACutEvent) {
+  Write(20);
+  std::ifstream in(path_, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const std::string cut = bytes.substr(0, bytes.size() - 10);
+  std::ofstream(path_, std::ios::binary) << cut << bytes << cut;
+  EventLogReader log(path_.string());
+  std::vector<int64_t> stamps, positions;
+  while (const auto event = log.Next()) {
+    stamps.push_back(event->stamp_us);
+    positions.push_back(log.position());
+  }
+  ASSERT_EQ(stamps.size(), 19u + 20 + 19);
+  EXPECT_EQ(log.damaged_bytes(), 2 * (28 + 3 + 19 - 10));
+  EXPECT_EQ(log.damaged_places(), 2);
+  EXPECT_TRUE(log.cut_off());
+  for (const size_t i : {5u, 19u, 57u}) {
+    EXPECT_EQ(log.ReadAt(positions[i]).stamp_us, stamps[i]);
+  }
 }
 
 TEST_F(EventLog, RefusesWhatIsNoLog) {
