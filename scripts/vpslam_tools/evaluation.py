@@ -77,7 +77,8 @@ def evaluate(estimate, truth, frame_stamps_s=None, with_scale=True, interpolate=
     if count < 3:
         raise UserError(
             f"{count} of {len(estimate)} poses have a truth near in time, at least 3 are needed; "
-            f"the estimate covers {_span(estimate)}, the truth {_span(truth)}")
+            f"the estimate covers {_span(estimate.stamps_s)}, the truth {_span(truth.stamps_s)}"
+            + _unit_hint("the truth", truth.stamps_s, estimate.stamps_s))
 
     similarity = align(paired_estimate.positions, paired_truth.positions, with_scale)
     ate = np.linalg.norm(similarity.apply(paired_estimate.positions) - paired_truth.positions,
@@ -89,6 +90,11 @@ def evaluate(estimate, truth, frame_stamps_s=None, with_scale=True, interpolate=
         frames = len(frame_stamps_s)
         _, distance = trajectory.nearest(estimate.stamps_s, frame_stamps_s)
         covered = float(np.count_nonzero(distance <= SAME_STAMP_S)) / frames
+        if covered == 0:
+            raise UserError(
+                f"none of the {frames} frames has the time stamp of a pose; the estimate covers "
+                f"{_span(estimate.stamps_s)}, the frames {_span(frame_stamps_s)}"
+                + _unit_hint("the frames", frame_stamps_s, estimate.stamps_s))
     return Evaluation(
         ate_m=Statistics.of(ate),
         rpe_translation_m=Statistics.of(rpe_translation),
@@ -100,8 +106,17 @@ def evaluate(estimate, truth, frame_stamps_s=None, with_scale=True, interpolate=
         poses=len(estimate), compared=count, frames=frames, coverage=covered)
 
 
-def _span(poses):
-    return f"{poses.stamps_s[0]:.3f} to {poses.stamps_s[-1]:.3f} s"
+def _span(stamps_s):
+    return f"{stamps_s[0]:.3f} to {stamps_s[-1]:.3f} s"
+
+
+def _unit_hint(name, stamps_s, right_s):
+    """In words, if the stamps may be those of `right_s` in a finer unit."""
+    length, right = (float(np.ptp(stamps)) for stamps in (stamps_s, right_s))
+    for factor, unit in ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")):
+        if right > 0 and 0.3 < length / right / factor < 3:
+            return f"; {name} may be in {unit}: write seconds"
+    return ""
 
 
 def rotation_errors(estimate, truth):

@@ -10,7 +10,7 @@ import random
 import re
 import sys
 
-from vpslam_tools import install_build, multicast, presets, processes, registry, sources
+from vpslam_tools import install_build, multicast, outcome, presets, processes, registry, sources
 from vpslam_tools.errors import UserError
 from vpslam_tools.evaluate_command import evaluate_files
 from vpslam_tools.guardian import Guardian
@@ -226,9 +226,10 @@ def conclude(supervisor, args, out, progress):
         note_interruption(path, summary)
     frames = summary["frames"]
     if frames["in"] > 0:
-        progress.tell(describe_results(out, frames))
+        progress.tell(describe_results(out, summary))
     elif not supervisor.faults:
-        progress.tell(f"no frame came through; the logs are in {out / 'logs'}")
+        lines = outcome.lines(summary) if "sequence" in summary else []
+        progress.tell("\n".join(lines + [f"no frame came through; the logs are in {out / 'logs'}"]))
     if supervisor.faults:
         return 1
     # A first Ctrl-C ends a run in order, and leaves results; unless there was nothing yet.
@@ -248,19 +249,24 @@ def note_interruption(path, summary):
               file=sys.stderr)
 
 
-def describe_results(out, frames):
-    lines = [f"frames   {frames['in']}, {frames['dropped']} dropped" + (
-        f", {frames['dropped_before_init']} of them before the map was started"
-        if frames["dropped"] else "")]
+def describe_results(out, summary):
+    lines = outcome.lines(summary)
     truth = out / "truth.txt"
     estimate = out / "trajectory.txt"
     if truth.exists() and estimate.exists():
-        try:
-            ate = evaluate_files(estimate, truth).ate_m.rmse
-            lines.append(f"ATE      {ate:.4f} m (rmse after sim3 alignment)")
-        except UserError as error:
-            lines.append(f"ATE      none: {error}")
+        lines.append("ATE      " + describe_error(estimate, truth))
     if estimate.exists():
         poses = sum(1 for line in open(estimate) if line.strip() and not line.startswith("#"))
-        lines.append(f"coverage {poses / frames['in']:.4f} ({poses} poses)")
+        lines.append(f"coverage {outcome.coverage(summary, poses):.4f} ({poses} poses)")
     return "\n".join(lines + [f"results  {out}"])
+
+
+def describe_error(estimate, truth):
+    try:
+        result = evaluate_files(estimate, truth)
+    except UserError as error:
+        return f"none: {error}"
+    text = f"{result.ate_m.rmse:.4f} m (rmse after sim3 alignment)"
+    if result.compared < result.poses:
+        text += f", of {result.compared} of {result.poses} poses: the others have no truth"
+    return text

@@ -13,12 +13,13 @@ NOT_A_PATH = re.compile(r"sim:|camera:|\w+://")
 
 def add_arguments(parser):
     parser.add_argument("sequence", metavar="SEQUENCE",
-                        help="folder of a sequence (TUM RGB-D, EuRoC, KITTI, ICL-NUIM, or plain "
-                        "images), video file, live camera (camera:0), or a simulated place "
-                        "(sim:room, sim:corridor)")
+                        help="folder of a sequence (TUM RGB-D, ETH3D, EuRoC, TUM-VI, KITTI, ICL-NUIM, "
+                        "TartanAir, 7-Scenes, or plain images), one series of a folder's images "
+                        "('FOLDER/left*.png', where * stands for a number), video file, live camera "
+                        "(camera:0), or a simulated place (sim:room, sim:corridor)")
     parser.add_argument("--source", metavar="KIND",
                         help="kind of SEQUENCE, if not the one that is recognised: sim, camera, icl, "
-                        "tum, euroc, kitti, images, video")
+                        "eth3d, tum, tumvi, euroc, kitti, tartanair, 7scenes, images, video")
     parser.add_argument("--camera", metavar="FILE",
                         help="calibration, such as those in config/cameras; default: the "
                         "sequence's own, or the published one of its TUM RGB-D camera")
@@ -35,7 +36,9 @@ def add_arguments(parser):
 
 def check(args):
     """What need not wait until the processes are up; the rest the player checks."""
-    if not NOT_A_PATH.match(args.sequence) and not pathlib.Path(args.sequence).exists():
+    path = pathlib.Path(args.sequence)
+    is_series = "*" in path.name and path.parent.is_dir()
+    if not NOT_A_PATH.match(args.sequence) and not path.exists() and not is_series:
         raise UserError(f"{args.sequence}: no such folder, video or camera; for a first try there is "
                         "sim:room")
 
@@ -45,7 +48,11 @@ def published_camera(sequence):
     name of its folder or of what that links to; None where the folder has its own, or is of another
     kind."""
     folder = pathlib.Path(sequence)
-    if not (folder / "rgb.txt").is_file() or (folder / "camera.yaml").exists():
+    if folder.name == "rgb.txt":
+        folder = folder.parent  # the player takes its folder as well
+    if not (folder / "rgb.txt").is_file():
+        return None
+    if (folder / "camera.yaml").exists() or (folder / "calibration.txt").exists():
         return None
     freiburg = re.search(r"freiburg([123])",
                          f"{os.path.basename(os.path.abspath(folder))} {folder.resolve().name}")

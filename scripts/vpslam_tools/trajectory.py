@@ -1,11 +1,10 @@
 """Trajectories in TUM's text format: `timestamp tx ty tz qx qy qz qw`, camera-to-world."""
 
-import pathlib
 from dataclasses import dataclass
 
 import numpy as np
 
-from vpslam_tools import rotations
+from vpslam_tools import rotations, text_lines
 from vpslam_tools.errors import UserError
 
 
@@ -25,33 +24,28 @@ class Trajectory:
                           self.orientations[indices])
 
 
-def _rows(path):
-    """Yields (line number, fields) of the lines that are neither empty nor a comment."""
+POSE_FORM = "a line holds 8 numbers: timestamp tx ty tz qx qy qz qw"
+
+
+def _pose(words):
+    if len(words) == 12:
+        raise ValueError("has 12 numbers, as KITTI's poses have; " + POSE_FORM)
+    if len(words) != 8:
+        raise ValueError("is not a pose; " + POSE_FORM)
     try:
-        text = pathlib.Path(path).read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror}); check the path") from None
-    for number, line in enumerate(text.splitlines(), start=1):
-        line = line.split("#")[0].replace(",", " ").strip()
-        if line:
-            yield number, line.split()
+        row = [float(word) for word in words]
+    except ValueError:
+        raise ValueError("is not a pose; " + POSE_FORM) from None
+    if not np.all(np.isfinite(row)):
+        raise ValueError("holds NaN or infinity; remove the line")
+    text_lines.seconds(words[0])
+    if np.linalg.norm(row[4:]) < 1e-6:
+        raise ValueError("the quaternion is zero; identity is '0 0 0 1'")
+    return row
 
 
 def read_trajectory(path):
-    rows = []
-    for number, fields in _rows(path):
-        try:
-            if len(fields) != 8:
-                raise ValueError
-            row = [float(field) for field in fields]
-        except ValueError:
-            raise UserError(f"{path}:{number}: is not a pose; a line holds 8 numbers: timestamp "
-                            "tx ty tz qx qy qz qw") from None
-        if not np.all(np.isfinite(row)):
-            raise UserError(f"{path}:{number}: holds NaN or infinity; remove the line")
-        if np.linalg.norm(row[4:]) < 1e-6:
-            raise UserError(f"{path}:{number}: the quaternion is zero; identity is '0 0 0 1'")
-        rows.append(row)
+    rows = text_lines.rows(path, _pose)
     if not rows:
         raise UserError(f"{path}: holds no pose")
     table = np.array(rows)
@@ -59,15 +53,20 @@ def read_trajectory(path):
     return Trajectory(table[:, 0], table[:, 1:4], rotations.normalised(table[:, 4:]))
 
 
+def _listed_stamp(words):
+    try:
+        float(words[0])
+    except ValueError:
+        raise ValueError("does not start with a time stamp; a line reads: timestamp filename"
+                         ) from None
+    if len(words) > 2 and words[1].isdigit():
+        raise ValueError("has a decimal comma; write times with a point")
+    return text_lines.seconds(words[0])
+
+
 def read_frame_stamps(path):
     """Time stamps of an rgb.txt: the first field of each line; sorted, repeated ones once."""
-    stamps = []
-    for number, fields in _rows(path):
-        try:
-            stamps.append(float(fields[0]))
-        except ValueError:
-            raise UserError(f"{path}:{number}: does not start with a time stamp; a line reads: "
-                            "timestamp filename") from None
+    stamps = text_lines.rows(path, _listed_stamp)
     if not stamps:
         raise UserError(f"{path}: lists no frame")
     return np.unique(stamps)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from vpslam_tools import evaluation, trajectory
+from vpslam_tools import evaluation, outcome, trajectory
 from vpslam_tools.errors import UserError
 
 
@@ -17,8 +17,8 @@ def score(results, truth=None, least_frames=0):
     truth = truth or results / "truth.txt"
     with open(results / "frames.csv", encoding="utf-8") as file:
         frames = sum(1 for _ in csv.DictReader(file))
-    # Frames that were dropped are in no table, but were there to be tracked.
-    frames = max(frames, json.loads((results / "summary.json").read_text())["frames"]["in"],
+    # Frames that were dropped or skipped are in no table, but were there to be tracked.
+    frames = max(frames, outcome.expected(json.loads((results / "summary.json").read_text())),
                  least_frames)
     figures = {"frames": frames, "poses": 0, "coverage": 0.0, "ate_m": None, "rotation_deg": None,
                "rotation_median_deg": None, "rotation_drift_deg_per_m": None, "rpe_m": None,
