@@ -16,10 +16,11 @@ struct BadFrameOptions {
 
 class BadFrameGuard {
  public:
-  /// `total` is the number of frames to come; 0 where that is unknown (a live camera), and then the
-  /// fraction is not judged.
-  explicit BadFrameGuard(int64_t total, const BadFrameOptions& options = {})
-      : total_(total), options_(options) {}
+  /// `total` is the number of frames of the source; 0 where that is unknown (a live camera), and
+  /// then the fraction is not judged. So many of them are `bad_already` and will not come.
+  explicit BadFrameGuard(int64_t total, const BadFrameOptions& options = {},
+                         int64_t bad_already = 0)
+      : total_(total), options_(options), bad_(bad_already) {}
 
   void CountGood() {
     ++good_;
@@ -28,6 +29,9 @@ class BadFrameGuard {
 
   /// Why the source has to be given up with this bad frame; nullopt if it is to be skipped.
   std::optional<std::string> CountBad();
+
+  /// Whether so many bad frames are too many of all.
+  bool IsTooMany(int64_t bad) const;
 
   int64_t good() const { return good_; }
   int64_t bad() const { return bad_; }

@@ -57,9 +57,9 @@ std::optional<SourceFrame> DecodeAhead::Next() {
   return std::nullopt;
 }
 
-std::string DecodeAhead::Summary() {
+SourceReport DecodeAhead::Report() {
   Stop();
-  return source_->Summary();
+  return source_->Report();
 }
 
 }  // namespace vpslam

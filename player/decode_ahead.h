@@ -29,7 +29,7 @@ class DecodeAhead : public ImageSource {
     return source_->WorldFromCam(stamp_us);
   }
   /// Ends reading ahead.
-  std::string Summary() override;
+  SourceReport Report() override;
 
  private:
   void Run();

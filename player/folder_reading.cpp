@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <stdexcept>
 
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "core/base/camera_file.h"
 #include "core/base/decode_image.h"
+#include "player/bad_frame_guard.h"
 #include "player/text_lines.h"
 
 namespace vpslam {
@@ -14,6 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// True for '1000,033 file': the word before the comma and that behind it are one number.
+bool HasDecimalComma(std::string_view line) {
+  const size_t comma = line.find(',');
+  if (comma == std::string_view::npos || comma == 0 || !IsDigit(line[comma - 1])) return false;
+  const size_t end = line.find_first_not_of("0123456789", comma + 1);
+  const bool digits = end != comma + 1;
+  return digits && end != std::string_view::npos && (line[end] == ' ' || line[end] == '\t');
+}
 
 /// Cuts the leading digits off `text`, and gives them without leading zeros.
 std::string_view TakeDigits(std::string_view* text) {
@@ -25,52 +40,64 @@ std::string_view TakeDigits(std::string_view* text) {
   return digits;
 }
 
-bool HasImageEnding(const fs::path& path) {
-  constexpr std::array<std::string_view, 9> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm",
-                                                        ".bmp", ".tif", ".tiff", ".webp"};
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
-}
-
 }  // namespace
 
-void ReadImageLines(const SourceOptions& options,
-                    const std::function<std::optional<ListedImage>(std::string_view)>& parse,
-                    ImageList* list) {
-  const LineCounts counts = ReadLines(list->name, [&](std::string_view line) {
-    auto image = parse(line);
-    if (image) list->images.push_back(std::move(*image));
-    return image.has_value();
-  });
+void ReadImageLines(const ParseImage& parse, ImageList* list) {
+  const LineCounts counts =
+      ReadLines(list->name, [&](std::string_view line, const LinePlace& place) {
+        ListedImage image;
+        std::string fault = parse(line, place.index, &image);
+        image.line = place.number;
+        if (fault.empty()) list->images.push_back(std::move(image));
+        return fault;
+      });
   if (counts.refused == 0) return;
-  const std::string what = counts.Describe(list->name, list->line_form);
-  const BadFrameOptions limits;
-  if (list->images.empty() ||
-      counts.refused >
-          std::max(limits.always_allowed,
-                   static_cast<int64_t>(limits.max_fraction * static_cast<double>(counts.lines)))) {
-    throw std::runtime_error(what + "; correct the file");
-  }
-  options.tell(what + ", skipped");
+  list->skipped["line of the list unreadable"] = counts.refused;
+  list->first_skipped = counts.Describe(list->name);
 }
 
-void ReadTruthLines(const SourceOptions& options, const std::string& path, const std::string& form,
-                    const std::function<std::optional<StampedPose>(std::string_view)>& parse,
-                    TruthTrack* truth) {
+void ReadTruthLines(const std::string& path, const ParsePose& parse, ImageList* list) {
   std::error_code error;
   if (!fs::exists(path, error)) return;
+  list->truth_name = path;
   try {
-    const LineCounts counts = ReadLines(path, [&](std::string_view line) {
-      const auto pose = parse(line);
-      if (pose) truth->Add(pose->first, pose->second);
-      return pose.has_value();
+    const LineCounts counts = ReadLines(path, [&](std::string_view line, const LinePlace& place) {
+      StampedPose pose;
+      std::string fault = parse(line, place.index, &pose);
+      if (fault.empty()) list->truth.Add(pose.first, pose.second);
+      return fault;
     });
-    if (counts.refused > 0) options.tell(counts.Describe(path, form) + ", skipped");
+    if (counts.refused > 0) list->notes.push_back(counts.Describe(path) + ", skipped");
   } catch (const std::runtime_error& e) {
-    options.tell(e.what());
+    list->notes.emplace_back(e.what());
   }
+}
+
+std::string ParseSecondsAndFile(std::string_view line, const fs::path& folder, ListedImage* image) {
+  std::string_view rest = line;
+  const std::string_view stamp = TakeWord(&rest);
+  const std::string_view file = Trim(rest);
+  if (!ParseNumber(stamp) || file.empty()) return NotOfTheForm("seconds file");
+  if (std::string fault = FaultOfSeconds(stamp); !fault.empty()) return fault;
+  if (HasDecimalComma(line)) return "has a decimal comma; write times with a point";
+  image->stamp_us = *ParseStamp_us(stamp);
+  image->path = ListedFile(file, {folder});
+  return {};
+}
+
+std::string ParseTumLine(std::string_view line, int64_t /*index*/, StampedPose* pose) {
+  constexpr const char* kForm = "seconds tx ty tz qx qy qz qw";
+  line = line.substr(0, line.find('#'));
+  const size_t words = CountWords(line);
+  if (words == 12) {
+    return fmt::format("has 12 numbers, as KITTI's poses have; write '{}'", kForm);
+  }
+  const std::string_view stamp = TakeWord(&line);
+  const auto parsed = ParseTumPose(line);
+  if (words != 8 || !ParseNumber(stamp) || !parsed) return NotOfTheForm(kForm);
+  if (std::string fault = FaultOfSeconds(stamp); !fault.empty()) return fault;
+  *pose = {*ParseStamp_us(stamp), *parsed};
+  return {};
 }
 
 std::optional<SE3> ParseTumPose(std::string_view line) {
@@ -80,6 +107,43 @@ std::optional<SE3> ParseTumPose(std::string_view line) {
   const Eigen::Quaterniond q(qw, qx, qy, qz);
   if (q.norm() < 1e-6) return std::nullopt;
   return SE3(q, {x, y, z});
+}
+
+std::optional<Eigen::Quaterniond> RotationOf(const Eigen::Matrix3d& matrix) {
+  constexpr double kTolerance = 1e-2;
+  if (!matrix.allFinite() || std::abs(matrix.determinant() - 1) > kTolerance ||
+      (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm() > 2 * kTolerance) {
+    return std::nullopt;
+  }
+  return Eigen::Quaterniond(matrix).normalized();
+}
+
+std::string ListedFile(std::string_view rest, const std::vector<fs::path>& folders) {
+  std::string_view left = rest;
+  std::vector<std::string> names = {std::string(rest), std::string(TakeWord(&left))};
+  for (size_t i = 0; i < 2; ++i) {
+    std::string turned = names[i];
+    std::replace(turned.begin(), turned.end(), '\\', '/');
+    names.push_back(std::move(turned));
+  }
+  for (const std::string& name : names) {
+    for (const fs::path& folder : folders) {
+      std::error_code error;
+      if (!name.empty() && fs::is_regular_file(folder / name, error)) {
+        return (folder / name).string();
+      }
+    }
+  }
+  return (folders.front() / names.front()).string();
+}
+
+bool HasImageEnding(const fs::path& path) {
+  constexpr std::array<std::string_view, 9> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".ppm",
+                                                        ".bmp", ".tif", ".tiff", ".webp"};
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 std::vector<fs::path> ImageFilesIn(const fs::path& folder) {
@@ -117,6 +181,7 @@ bool NaturallyBefore(const std::string& a, const std::string& b) {
 }
 
 cv::Size SizeOfFirstImage(const ImageList& list) {
+  RequireMost(list);  // which says what is wrong with a list without any
   const size_t tries = std::min<size_t>(list.images.size(), BadFrameOptions().max_at_start + 1);
   std::string fault = "is not listed";
   for (size_t i = 0; i < tries; ++i) {
@@ -124,9 +189,14 @@ cv::Size SizeOfFirstImage(const ImageList& list) {
     if (image.fault.empty()) return image.grey.size();
     if (i == 0) fault = image.fault;
   }
-  if (tries == 0) throw std::runtime_error(list.name + ": lists no image; is the copy complete?");
   throw std::runtime_error(list.images.front().path + ": " + fault +
-                           ", and so are the next ones; " + "is the copy complete?");
+                           ", and so are the next ones; is the copy complete?");
+}
+
+void ReadListCamera(const fs::path& folder, const SourceOptions& options, ImageList* list) {
+  list->camera_name =
+      options.camera_file.empty() ? (folder / "camera.yaml").string() : options.camera_file;
+  list->camera = ReadCameraFile(list->camera_name);
 }
 
 }  // namespace vpslam

@@ -36,14 +36,18 @@ std::optional<int64_t> StampOfNumber_us(std::string_view word) {
   return std::llround(*number * 1e6 / kRateHz);
 }
 
+constexpr const char* kAssociationForm = "number depth/0.png number rgb/0.png";
+
 /// Of `number depth/0.png number rgb/0.png` the colour image.
-std::optional<ListedImage> ParseAssociation(std::string_view line, const fs::path& folder) {
+std::string ParseAssociation(std::string_view line, const fs::path& folder, ListedImage* image) {
   TakeWord(&line);
   TakeWord(&line);
   const auto stamp_us = StampOfNumber_us(TakeWord(&line));
   const std::string_view file = Trim(line);
-  if (!stamp_us || file.empty()) return std::nullopt;
-  return ListedImage{*stamp_us, (folder / file).string()};
+  if (!stamp_us || file.empty()) return NotOfTheForm(kAssociationForm);
+  image->stamp_us = *stamp_us;
+  image->path = ListedFile(file, {folder});
+  return {};
 }
 
 void ListNumberedImages(const fs::path& images, ImageList* list) {
@@ -70,25 +74,28 @@ std::unique_ptr<ImageSource> OpenIclFolder(const std::string& path, const Source
     list.camera_name = options.camera_file;
     list.camera = ReadCameraFile(options.camera_file);
   }
-  list.line_form = "number depth/0.png number rgb/0.png";
+  list.line_form = kAssociationForm;
+  list.unit.clear();
   if (fs::exists(folder / "associations.txt", error)) {
     list.name = (folder / "associations.txt").string();
-    ReadImageLines(
-        options, [&](std::string_view line) { return ParseAssociation(line, folder); }, &list);
+    ReadImageLines([&](std::string_view line, int64_t /*index*/,
+                       ListedImage* image) { return ParseAssociation(line, folder, image); },
+                   &list);
   } else {
     list.name = (folder / "rgb").string();
     list.line_form = "rgb/0.png";
     ListNumberedImages(folder / "rgb", &list);
   }
   ReadTruthLines(
-      options, TruthFile(folder).string(), "number tx ty tz qx qy qz qw",
-      [](std::string_view line) -> std::optional<StampedPose> {
+      TruthFile(folder).string(),
+      [](std::string_view line, int64_t /*index*/, StampedPose* pose) -> std::string {
         const auto stamp_us = StampOfNumber_us(TakeWord(&line));
-        const auto pose = ParseTumPose(line);
-        if (!stamp_us || !pose) return std::nullopt;
-        return StampedPose(*stamp_us, ReflectY(*pose));
+        const auto read = ParseTumPose(line);
+        if (!stamp_us || !read) return NotOfTheForm("number tx ty tz qx qy qz qw");
+        *pose = {*stamp_us, ReflectY(*read)};
+        return {};
       },
-      &list.truth);
+      &list);
   return std::make_unique<ImageListSource>(std::move(list), options);
 }
 

@@ -3,15 +3,18 @@
 // A source delivers its frames in order, with strictly increasing time stamps. It skips a single
 // bad frame, telling so, and gives up on a source that is bad as a whole (see BadFrameGuard). What
 // makes going on impossible is thrown as std::runtime_error with one line that names what is
-// wrong, where, and the remedy.
+// wrong, where, and the remedy. What was not delivered is in its report, and so is what was read
+// otherwise than it is written.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -55,6 +58,16 @@ struct SourceFrame {
   std::shared_ptr<const FrameFeatures> features = {};
 };
 
+/// What became of the images of a source; of those that --start and --frames ask for.
+struct SourceReport {
+  std::optional<int64_t> expected;  ///< how many there should have been; nullopt: not known
+  /// How many were not delivered, by the reason, which goes with a number: "3 (is truncated)".
+  std::map<std::string, int64_t> skipped;
+  std::string without_end;  ///< why the end is missing, where it is not known how much that is
+  /// What else a person had better know of what was played; a line each.
+  std::vector<std::string> notes;
+};
+
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
@@ -80,8 +93,8 @@ class ImageSource {
   /// One line on what a person had better know from the start; empty if there is nothing.
   virtual std::string Notice() const { return {}; }
 
-  /// One line on what had to be skipped; empty if nothing was. To be asked after the end.
-  virtual std::string Summary() { return {}; }
+  /// To be asked after the end.
+  virtual SourceReport Report() { return {}; }
 };
 
 }  // namespace vpslam

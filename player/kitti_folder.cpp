@@ -1,7 +1,8 @@
 #include "player/kitti_folder.h"
 
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/base/camera_file.h"
+#include "core/geometry/camera_plausibility.h"
 #include "player/folder_reading.h"
 #include "player/image_list_source.h"
 #include "player/text_lines.h"
@@ -17,6 +19,8 @@ namespace vpslam {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kRateHz = 10;  // as published
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
@@ -41,9 +45,9 @@ Matrix34 ReadProjection(const std::string& path, int number) {
   std::optional<Matrix34> projection;
   std::error_code error;
   if (fs::exists(path, error)) {
-    ReadLines(path, [&](std::string_view line) {
+    ReadLines(path, [&](std::string_view line, const LinePlace&) {
       if (TakeWord(&line) == name) projection = ParseMatrix(line);
-      return true;
+      return std::string();
     });
   }
   if (!projection) {
@@ -73,8 +77,12 @@ SE3 Cam0FromCam(const Matrix34& projection) {
 
 /// From all time stamps, as no file says it.
 double RateHz(const std::vector<ListedImage>& images) {
-  const double span_s = 1e-6 * static_cast<double>(images.back().stamp_us - images[0].stamp_us);
-  return span_s > 0 ? static_cast<double>(images.size() - 1) / span_s : 10.0;
+  const auto [first, last] = std::minmax_element(
+      images.begin(), images.end(),
+      [](const ListedImage& a, const ListedImage& b) { return a.stamp_us < b.stamp_us; });
+  const double span_s = 1e-6 * static_cast<double>(last->stamp_us - first->stamp_us);
+  const double rate_hz = static_cast<double>(images.size() - 1) / span_s;
+  return span_s > 0 && rate_hz < 1000 ? rate_hz : kRateHz;
 }
 
 std::string PosesFile(const fs::path& folder) {
@@ -84,25 +92,67 @@ std::string PosesFile(const fs::path& folder) {
   return (sequence / ".." / ".." / "poses" / (sequence.filename().string() + ".txt")).string();
 }
 
-void ReadTimes(const SourceOptions& options, const fs::path& images, ImageList* list) {
-  const std::vector<fs::path> files = ImageFilesIn(images);
-  if (files.empty())
-    throw std::runtime_error(images.string() + ": holds no image; is it unpacked?");
-  const std::string ending = files.front().extension().string();
-  size_t index = 0;
+/// Images by number: that of their names, where the first line's image is there, or the order of
+/// the names where these count otherwise.
+class NumberedFiles {
+ public:
+  explicit NumberedFiles(const fs::path& folder) : files_(ImageFilesIn(folder)) {
+    if (files_.empty())
+      throw std::runtime_error(folder.string() + ": holds no image; is it unpacked?");
+    for (const fs::path& file : files_) {
+      if (const auto number = ParseNumber(file.stem().string())) {
+        by_number_[static_cast<int64_t>(*number)] = file;
+      }
+    }
+    ending_ = files_.front().extension().string();
+    folder_ = folder;
+  }
+
+  size_t size() const { return files_.size(); }
+
+  std::string Path(int64_t number) const {
+    if (!by_number_.contains(0)) {  // numbered from another number on
+      return number < std::ssize(files_) ? files_[static_cast<size_t>(number)].string()
+                                         : Missing(number);
+    }
+    const auto found = by_number_.find(number);
+    return found != by_number_.end() ? found->second.string() : Missing(number);
+  }
+
+ private:
+  std::string Missing(int64_t number) const {
+    return (folder_ / fmt::format("{:06}{}", number, ending_)).string();
+  }
+
+  std::vector<fs::path> files_;
+  std::map<int64_t, fs::path> by_number_;
+  std::string ending_;
+  fs::path folder_;
+};
+
+/// The stamps by number, of good lines.
+std::vector<std::optional<int64_t>> ReadTimes(const fs::path& images, ImageList* list) {
+  const NumberedFiles files(images);
+  std::vector<std::optional<int64_t>> stamps_us;
   ReadImageLines(
-      options,
-      [&](std::string_view line) -> std::optional<ListedImage> {
-        const std::string name = fmt::format("{:06}{}", index++, ending);
-        const auto stamp_us = ParseStamp_us(TakeWord(&line));
-        if (!stamp_us) return std::nullopt;
-        return ListedImage{*stamp_us, (images / name).string()};
+      [&](std::string_view line, int64_t index, ListedImage* image) -> std::string {
+        const std::string_view stamp = TakeWord(&line);
+        stamps_us.resize(static_cast<size_t>(index) + 1);
+        if (std::string fault = FaultOfSeconds(stamp); !fault.empty()) return fault;
+        image->stamp_us = *ParseStamp_us(stamp);
+        image->path = files.Path(index);
+        stamps_us.back() = image->stamp_us;
+        return {};
       },
       list);
-  if (files.size() != index) {
-    options.tell(fmt::format("{}: has {} lines, but {} holds {} images; they go together by number",
-                             list->name, index, images.string(), files.size()));
+  if (files.size() > stamps_us.size()) {
+    list->skipped["no time stamp"] += static_cast<int64_t>(files.size() - stamps_us.size());
+    if (list->first_skipped.empty()) {
+      list->first_skipped = fmt::format("{}: has {} lines, but {} holds {} images", list->name,
+                                        stamps_us.size(), images.string(), files.size());
+    }
   }
+  return stamps_us;
 }
 
 }  // namespace
@@ -120,7 +170,7 @@ std::unique_ptr<ImageSource> OpenKittiFolder(const std::string& path,
   ImageList list;
   list.name = (folder / "times.txt").string();
   list.line_form = "seconds";
-  ReadTimes(options, folder / fmt::format("image_{}", number), &list);
+  const auto stamps_us = ReadTimes(folder / fmt::format("image_{}", number), &list);
 
   list.camera_name = (folder / "calib.txt").string();
   SE3 cam0_from_cam;
@@ -136,30 +186,24 @@ std::unique_ptr<ImageSource> OpenKittiFolder(const std::string& path,
     const cv::Size size = SizeOfFirstImage(list);
     list.camera.width = size.width;
     list.camera.height = size.height;
+    list.rate_hz = kRateHz;
     list.camera.fps = RateHz(list.images);
-    if (const auto why = list.camera.Validate()) {
-      throw std::runtime_error(list.camera_name + ": " + *why + "; correct the calibration");
-    }
+    RequirePlausible(list.camera, list.camera_name);
   }
 
-  std::vector<std::optional<int64_t>> stamps_us;  // by number; ReadTimes left bad lines out
-  ReadLines(list.name, [&](std::string_view line) {
-    stamps_us.push_back(ParseStamp_us(TakeWord(&line)));
-    return true;
-  });
-  size_t index = 0;
   ReadTruthLines(
-      options, PosesFile(folder), "12 numbers [R t]",
-      [&](std::string_view line) -> std::optional<StampedPose> {
-        const size_t i = index++;
+      PosesFile(folder),
+      [&](std::string_view line, int64_t index, StampedPose* pose) -> std::string {
+        const auto i = static_cast<size_t>(index);
         const auto m = ParseMatrix(line);
-        if (!m || i >= stamps_us.size() || !stamps_us[i]) return std::nullopt;
-        const Eigen::Matrix3d rotation = m->leftCols<3>();
-        if (std::abs(rotation.determinant() - 1) > 1e-2) return std::nullopt;
-        const SE3 world_from_cam0(Eigen::Quaterniond(rotation).normalized(), m->col(3));
-        return StampedPose(*stamps_us[i], world_from_cam0 * cam0_from_cam);
+        if (!m) return NotOfTheForm("12 numbers [R t]");
+        if (i >= stamps_us.size() || !stamps_us[i]) return "has no image of its number";
+        const auto rotation = RotationOf(m->leftCols<3>());
+        if (!rotation) return "has no rotation matrix in its columns 1 to 3";
+        *pose = {*stamps_us[i], SE3(*rotation, m->col(3)) * cam0_from_cam};
+        return {};
       },
-      &list.truth);
+      &list);
   return std::make_unique<ImageListSource>(std::move(list), options);
 }
 

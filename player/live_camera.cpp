@@ -200,13 +200,15 @@ class LiveCamera : public ImageSource {
     return frame;
   }
 
-  std::string Summary() override {
+  SourceReport Report() override {
     Stop();
-    if (reader_->bad() == 0 && reader_->left_out() == 0) return {};
-    return fmt::format(
-        "{}: played {} frames; left out {} that came while others were worked on, "
-        "and {} bad ones",
-        reader_->name(), delivered_, reader_->left_out(), reader_->bad());
+    SourceReport report;
+    report.expected = delivered_ + reader_->left_out() + reader_->bad();
+    if (reader_->left_out() > 0) {
+      report.skipped["came while others were worked on"] = reader_->left_out();
+    }
+    if (reader_->bad() > 0) report.skipped["is bad"] = reader_->bad();
+    return report;
   }
 
  private:

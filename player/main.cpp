@@ -63,7 +63,6 @@ int Run(Process& process, const std::string& sequence, SourceOptions source_opti
   spdlog::info("playing {}: {} x {} px at {:g} Hz", sequence, c.width, c.height, c.fps);
   const int64_t sent =
       Play(process.bus, process.peers, process.status, *source, play_options, stop);
-  if (const std::string skipped = source->Summary(); !skipped.empty()) spdlog::warn("{}", skipped);
   spdlog::info("sent {} images{}", sent, stop ? ", then stopped" : "");
   return kExitOk;
 }
@@ -113,9 +112,11 @@ int main(int argc, char** argv) {
   options.name = "player";
   options.required = {"frontend"};
   app.footer("player --render sim:room --to DIR writes a simulated sequence to files instead.");
-  app.add_option("sequence", sequence,
-                 "folder of a sequence (TUM RGB-D, EuRoC, KITTI, ICL-NUIM, or images), video file, "
-                 "camera:0, log of a run, sim:room or sim:corridor")
+  app.add_option(
+         "sequence", sequence,
+         "folder of a sequence (TUM RGB-D, ETH3D, EuRoC, TUM-VI, KITTI, ICL-NUIM, TartanAir, "
+         "7-Scenes, or images), one series of a folder's images ('folder/left*.png'), video "
+         "file, camera:0, log of a run, sim:room or sim:corridor")
       ->required();
   app.add_option("--source", source_options.kind, "kind of the sequence, if not the recognised one")
       ->check(CLI::IsMember(SourceKindNames()));

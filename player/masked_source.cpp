@@ -23,7 +23,7 @@ class MaskedSource : public ImageSource {
     return source_->WorldFromCam(stamp_us);
   }
   std::string Notice() const override { return source_->Notice(); }
-  std::string Summary() override { return source_->Summary(); }
+  SourceReport Report() override { return source_->Report(); }
 
  private:
   const std::unique_ptr<ImageSource> source_;

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include "core/geometry/camera_plausibility.h"
 #include "core/messages/command.h"
 #include "core/messages/truth.h"
 #include "core/transport/camera_link.h"
@@ -18,6 +19,8 @@
 #include "core/transport/receive_buffer.h"
 #include "core/transport/stream_writer.h"
 #include "player/frame_sender.h"
+#include "player/gap_bound.h"
+#include "player/outcome.h"
 #include "player/play_control.h"
 #include "player/tempo.h"
 
@@ -30,6 +33,8 @@ constexpr std::chrono::seconds kPatienceWithTheUnready{1};
 /// How often a wait looks at whether it still makes sense.
 constexpr std::chrono::milliseconds kLookAround{200};
 constexpr std::chrono::hours kForever{24 * 365};
+/// Less of an image may be unusable without a word, as the corners of a fit from few pictures.
+constexpr double kWholeImage = 0.98;
 
 class Player {
  public:
@@ -50,6 +55,7 @@ class Player {
   int64_t Run() {
     status_.SetState(ProcessState::kReady);
     if (!WaitForConsumers()) {
+      TellOutcome("stopped");
       frames_->SendEnd();
       truths_.SendEnd();
       frames_->WaitAllAcked(kPatienceWithTheUnready);
@@ -60,6 +66,7 @@ class Player {
     warning_ = Warning();
     TellControl();
     const std::exception_ptr broken = SendFrames();
+    TellOutcome(broken ? "the source broke down" : stopped_ ? "stopped" : "not sent");
     if (tempo_.restarts() > 0) {
       spdlog::warn("late by more than {} s {} times, and went on from there",
                    std::chrono::duration<double>(Tempo::kMaxDebt).count(), tempo_.restarts());
@@ -137,15 +144,39 @@ class Player {
     }
   }
 
+  /// A gap that is not waited for as long as it is, in the progress line and the log.
+  void TellGap() {
+    const bool waits = options_.pace == Pace::kRealtime || control_.rate() > 0;
+    if (gaps_.newest_gap_us() == 0 || !waits) return;
+    const std::string line = fmt::format(
+        "a gap of {:g} s in the time stamps, before image {}, is played as one of {:g} s",
+        1e-6 * static_cast<double>(gaps_.newest_gap_us()), sent_, 1e-6 * GapBound::kLongest_us);
+    spdlog::warn("{}", line);
+    status_.SetState(ProcessState::kRunning, line);
+  }
+
+  void TellOutcome(const std::string& why_not_sent) {
+    SourceReport report = source_.Report();
+    if (const double usable = UsableShare(source_.camera()); usable < kWholeImage) {
+      report.notes.push_back(
+          fmt::format("the distortion of the calibration leaves {:.0f} % of the "
+                      "image usable; is it that of this lens?",
+                      100 * usable));
+    }
+    const auto outcome = DescribeOutcome(report, sent_, why_not_sent);
+    const bool all = outcome["skipped"].empty() && !outcome.contains("end_missing");
+    spdlog::log(all ? spdlog::level::info : spdlog::level::warn, "{}", OutcomeLine(outcome));
+  }
+
   /// Sleeps while paused, and until the rate lets the frame out; false if it is not to go out.
-  bool WaitForControl(int64_t stamp_us) {
-    return SleepUntil([&] { return control_.Due(stamp_us, PlayControl::Clock::now()); });
+  bool WaitForControl(int64_t time_us) {
+    return SleepUntil([&] { return control_.Due(time_us, PlayControl::Clock::now()); });
   }
 
   /// False if the frame is not to go out. A pause may come while its turn is waited for.
-  bool WaitToSend(int64_t stamp_us) {
+  bool WaitToSend(int64_t time_us) {
     do {
-      if (!WaitForControl(stamp_us) || !WaitForTurn(stamp_us) || Stopping()) return false;
+      if (!WaitForControl(time_us) || !WaitForTurn(time_us) || Stopping()) return false;
     } while (control_.paused());
     return true;
   }
@@ -168,7 +199,7 @@ class Player {
   }
 
   /// Sleeps until the pace lets the frame out; false if that is not to happen any more.
-  bool WaitForTurn(int64_t stamp_us) {
+  bool WaitForTurn(int64_t time_us) {
     switch (options_.pace) {
       case Pace::kLockstep:
         return WaitUntilConsumed();
@@ -176,7 +207,7 @@ class Player {
         return WaitForRoom();
       case Pace::kRealtime:
         // A rate that a person asked for takes the place of the time stamps' tempo.
-        return control_.rate() > 0 || WaitUntilDue(stamp_us);
+        return control_.rate() > 0 || WaitUntilDue(time_us);
     }
     return false;
   }
@@ -190,8 +221,8 @@ class Player {
     return true;
   }
 
-  bool WaitUntilDue(int64_t stamp_us) {
-    const Tempo::Clock::time_point due = tempo_.Due(stamp_us, Tempo::Clock::now());
+  bool WaitUntilDue(int64_t time_us) {
+    const Tempo::Clock::time_point due = tempo_.Due(time_us, Tempo::Clock::now());
     ThrowIfAnyoneIsGone();
     return SleepUntil([due] { return due; });
   }
@@ -220,8 +251,11 @@ class Player {
         ThrowIfAnyoneIsGone();
         continue;
       }
+      if (!frame) break;
+      const int64_t time_us = gaps_.TimeOf(frame->stamp_us);
+      TellGap();
       // Before the time of publishing is taken: it is not to include the wait.
-      if (!frame || !WaitToSend(frame->stamp_us)) break;
+      if (!WaitToSend(time_us)) break;
       if (!SendFrame(*frame)) break;
     }
     return nullptr;
@@ -260,6 +294,7 @@ class Player {
   StreamWriter<Truth> truths_;
   std::unique_ptr<FrameSender> frames_;
   PlayControl control_;
+  GapBound gaps_;
   Tempo tempo_;
   std::string warning_;
   int64_t sent_ = 0;

@@ -30,7 +30,7 @@ class SimSource : public ImageSource {
           fmt::format("{}: has {} frames, and --start {} leaves none; start earlier", name,
                       simulator_.frames(), options.start));
     }
-    next_ = static_cast<int>(options.start);
+    next_ = first_ = static_cast<int>(options.start);
     end_ = simulator_.frames();
     if (options.max_frames > 0) {
       end_ = static_cast<int>(std::min<int64_t>(end_, options.start + options.max_frames));
@@ -54,11 +54,17 @@ class SimSource : public ImageSource {
     return truth_.Nearest(stamp_us);
   }
 
+  SourceReport Report() override {
+    SourceReport report;
+    report.expected = end_ - first_;
+    return report;
+  }
+
  private:
   simulator::Simulator simulator_;
   Camera camera_;  // what is told to others; a calibration file may be wrong on purpose
   TruthTrack truth_;
-  int next_ = 0, end_ = 0;
+  int first_ = 0, next_ = 0, end_ = 0;
 };
 
 }  // namespace

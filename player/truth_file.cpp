@@ -27,9 +27,10 @@ void TruthFile::Add(int64_t stamp_us, const SE3& world_from_cam) {
   }
   const Eigen::Vector3d& t = world_from_cam.translation;
   const Eigen::Quaterniond& q = world_from_cam.rotation;
-  fmt::print(file_, "{}.{:06} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-             stamp_us / 1'000'000, stamp_us % 1'000'000, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-             q.w());
+  const int64_t magnitude_us = stamp_us < 0 ? -stamp_us : stamp_us;
+  fmt::print(file_, "{}{}.{:06} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+             stamp_us < 0 ? "-" : "", magnitude_us / 1'000'000, magnitude_us % 1'000'000, t.x(),
+             t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   file_.flush();
   if (!file_) {
     spdlog::warn("{}: cannot be written any more; free space", path_);

@@ -18,6 +18,9 @@ class TruthTrack {
   std::optional<SE3> Nearest(int64_t stamp_us, int64_t tolerance_us = 20'000) const;
 
   size_t size() const { return poses_.size(); }
+  /// Of a track that is not empty.
+  int64_t first_us() const { return poses_.begin()->first; }
+  int64_t last_us() const { return poses_.rbegin()->first; }
 
  private:
   std::map<int64_t, SE3> poses_;

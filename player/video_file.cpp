@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
@@ -13,6 +16,7 @@
 #include "core/base/stopwatch.h"
 #include "player/bad_frame_guard.h"
 #include "player/frame_check.h"
+#include "player/video_contents.h"
 
 namespace vpslam {
 namespace {
@@ -27,17 +31,19 @@ class VideoFile : public ImageSource {
     camera_ = ReadCameraFile(options.camera_file);
     // What is wrong is told by one line of ours.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    complaints_.emplace();
+    contents_ = ReadVideoContents(path);
     // Pixels as stored: a calibration belongs to the sensor, whichever way it was held.
     if (!video_.open(path, cv::CAP_ANY)) {
       throw std::runtime_error(path +
                                ": is no video that FFmpeg can read, or is truncated; name a "
                                "video file, or the folder of a sequence");
     }
+    FfmpegComplaints::Listen();
     video_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
     const double rate_hz = video_.get(cv::CAP_PROP_FPS);
     if (rate_hz > 0 && rate_hz < 1000) camera_.fps = rate_hz;
     if (options.fps > 0) camera_.fps = options.fps;
-    announced_ = static_cast<int64_t>(video_.get(cv::CAP_PROP_FRAME_COUNT));
     while (index_ < options.start && video_.grab()) ++index_;
   }
 
@@ -49,6 +55,7 @@ class VideoFile : public ImageSource {
       if (options_.max_frames > 0 && index_ >= options_.start + options_.max_frames) return {};
       Stopwatch watch;
       if (!video_.read(pixels)) {
+        ended_ = true;
         RequireAFrame();
         return std::nullopt;
       }
@@ -59,23 +66,32 @@ class VideoFile : public ImageSource {
         continue;
       }
       guard_.CountGood();
+      times_ms_.push_back(video_.get(cv::CAP_PROP_POS_MSEC));
       last_stamp_us_ = StampOf_us(index);
       return SourceFrame{last_stamp_us_, ToGrey(pixels).clone(), watch.Lap_ms()};
     }
   }
 
-  std::string Summary() override {
-    std::string summary;
-    if (guard_.bad() > 0) {
-      summary =
-          fmt::format("{}: skipped {} bad frames; played {}", path_, guard_.bad(), guard_.good());
+  SourceReport Report() override {
+    SourceReport report;
+    report.skipped = skipped_;
+    const int64_t missing = ended_ ? Missing() : 0;
+    if (missing > 0) report.skipped["missing or damaged in the file"] = missing;
+    if (missing > 0 || (ended_ && !contents_.frames && complaints_->count() > 0)) {
+      report.notes.push_back(fmt::format("{}: is truncated or damaged{}", path_, Complaint()));
     }
-    const bool whole = options_.max_frames == 0 && announced_ > 0;
-    if (whole && static_cast<double>(index_) < 0.98 * static_cast<double>(announced_)) {
-      summary += fmt::format("{}{}: ends after {} of {} frames, is it truncated?",
-                             summary.empty() ? "" : "; ", path_, index_, announced_);
+    const int64_t read = index_ - options_.start;
+    if (ended_) {
+      report.expected = read + missing;
+    } else if (contents_.frames) {
+      report.expected = *contents_.frames - options_.start;
+    } else if (contents_.duration_s > 0) {
+      report.expected = std::llround(contents_.duration_s * camera_.fps) - options_.start;
     }
-    return summary;
+    if (options_.max_frames > 0 && report.expected) {
+      report.expected = std::min(*report.expected, options_.max_frames);
+    }
+    return report;
   }
 
  private:
@@ -89,12 +105,40 @@ class VideoFile : public ImageSource {
     return std::llround(static_cast<double>(index) * period_us);
   }
 
+  /// Frames that the container promises, and that did not come. Where it does not count them, only
+  /// what FFmpeg complains about makes a gap one where frames are missing: times may be uneven, and
+  /// the sound may last longer.
+  int64_t Missing() const {
+    if (contents_.frames) return std::max<int64_t>(0, *contents_.frames - index_);
+    if (complaints_->count() == 0 || times_ms_.size() < 2) return 0;
+    std::vector<double> steps_ms;
+    for (size_t i = 1; i < times_ms_.size(); ++i) {
+      steps_ms.push_back(times_ms_[i] - times_ms_[i - 1]);
+    }
+    std::vector<double> sorted = steps_ms;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double step_ms = *middle;
+    if (step_ms <= 0) return 0;
+    steps_ms.push_back(1e3 * contents_.duration_s - times_ms_.back());
+    double missing = 0;
+    for (const double ms : steps_ms) {
+      if (ms > 1.5 * step_ms) missing += std::round(ms / step_ms) - 1;
+    }
+    return std::llround(missing);
+  }
+
+  std::string Complaint() const {
+    return complaints_->count() == 0 ? std::string() : " (FFmpeg: " + complaints_->first() + ")";
+  }
+
   void Skip(int64_t index, const std::string& fault) {
     const std::string what = fmt::format("{}: frame {} {}", path_, index, fault);
     if (const auto why = guard_.CountBad()) {
       throw std::runtime_error(what + "; " + *why +
                                "; correct the calibration or name another one with --camera");
     }
+    ++skipped_["is of another size or depth"];
     options_.tell(what + ", skipped");
   }
 
@@ -113,7 +157,12 @@ class VideoFile : public ImageSource {
   Camera camera_;
   cv::VideoCapture video_;
   BadFrameGuard guard_;
-  int64_t announced_ = 0, index_ = 0;
+  std::optional<FfmpegComplaints> complaints_;
+  VideoContents contents_;
+  std::map<std::string, int64_t> skipped_;
+  int64_t index_ = 0;
+  std::vector<double> times_ms_;  // of the frames that were read
+  bool ended_ = false;
   int64_t last_stamp_us_ = -1;
 };
 

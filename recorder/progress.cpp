@@ -13,6 +13,9 @@
 namespace vpslam {
 namespace {
 
+/// Without a pose for so long, what was measured before holds no more.
+constexpr double kIdle_s = 2;
+
 /// Frames per second by the times at which their images went out, over the last second.
 double FramesPerSecond(const RunRecord& run) {
   const auto& frames = run.frames();
@@ -40,12 +43,13 @@ int64_t FramesLost(const RunRecord& run) {
 
 }  // namespace
 
-std::string ProgressLine(const RunRecord& run) {
+std::string ProgressLine(const RunRecord& run, double idle_s) {
   const auto& frames = run.frames();
   const FramePose newest = frames.empty() ? FramePose() : frames.rbegin()->second.last;
   const int64_t frame = frames.empty() ? -1 : newest.frame_seq;
+  const double fps = idle_s > kIdle_s ? 0 : FramesPerSecond(run);
   nlohmann::ordered_json line = {{"frame", frame},
-                                 {"fps", std::round(10 * FramesPerSecond(run)) / 10},
+                                 {"fps", std::round(10 * fps) / 10},
                                  {"state", StateName(newest.state)},
                                  {"map", newest.map.value},
                                  {"maps", run.map().Maps().size()},

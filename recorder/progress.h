@@ -11,6 +11,7 @@ namespace vpslam {
 /// "messages": {name: what a running process has to tell people}}: the
 /// newest frame with its map's counts; fps over the last second of image time on the wire; dropped
 /// is what never got an answer, up to that frame.
-std::string ProgressLine(const RunRecord& run);
+/// `idle_s`: since the last pose came.
+std::string ProgressLine(const RunRecord& run, double idle_s = 0);
 
 }  // namespace vpslam

@@ -139,6 +139,7 @@ class Recorder::Impl {
     while (const auto item = poses_.TryTake()) {
       if (run_.frames().empty()) status_.SetState(ProcessState::kRunning);
       run_.Add(item->value);
+      newest_pose_ = Clock::now();
       status_.AddProcessed();
     }
     while (const auto item = deltas_.TryTake()) Apply(item->value);
@@ -199,7 +200,8 @@ class Recorder::Impl {
   void ShowProgress(bool now) {
     if (!progress_ || (!now && Clock::now() < shown_ + kProgressInterval)) return;
     shown_ = Clock::now();
-    progress_(ProgressLine(run_));
+    const double idle_s = std::chrono::duration<double>(shown_ - newest_pose_).count();
+    progress_(ProgressLine(run_, now ? 0 : idle_s));
   }
 
   Bus& bus_;
@@ -217,7 +219,7 @@ class Recorder::Impl {
   Peers peers_;
   RunRecord run_;
   std::optional<Clock::time_point> asked_;  ///< when a snapshot was asked for that has not come
-  Clock::time_point shown_;
+  Clock::time_point shown_, newest_pose_;
   bool stopped_ = false;
 };
 

@@ -26,7 +26,11 @@ class CountingSource : public ImageSource {
     if (i % 3 == 0) std::this_thread::sleep_for(milliseconds(1));  // uneven decoding times
     return SourceFrame{i, cv::Mat(4, 4, CV_8UC1, cv::Scalar(i % 256)), 0.5};
   }
-  std::string Summary() override { return "asked " + std::to_string(*asked_); }
+  SourceReport Report() override {
+    SourceReport report;
+    report.expected = *asked_;
+    return report;
+  }
 
  private:
   Camera camera_;
@@ -50,7 +54,7 @@ TEST(DecodeAhead, KeepsTheOrderAndEnds) {
   }
   EXPECT_FALSE(source.Next());
   EXPECT_FALSE(source.Next());
-  EXPECT_EQ(source.Summary(), "asked 201");
+  EXPECT_EQ(source.Report().expected, 201);
 }
 
 TEST(DecodeAhead, ReadsAheadButNoFurtherThanItsCapacity) {

@@ -51,9 +51,43 @@ TEST_F(ImageFolder, NamesWhatIsWrong) {
   WriteImage("shot2.png", 1, 48, 64);
   EXPECT_EQ(PlayAll().size(), 4u);
   EXPECT_THAT(told_, ElementsAre(AllOf(HasSubstr("shot2.png"), HasSubstr("48 x 64"))));
-  EXPECT_THAT(summary_, HasSubstr("1 bad"));
+  EXPECT_EQ(report_.skipped.at("is of another size"), 1);
+  EXPECT_EQ(report_.expected, 5);
   WriteImage("shot3.png", 1, 48, 64);
   EXPECT_THAT(Error(), AllOf(HasSubstr("shot3.png"), HasSubstr("2 of 5")));
+}
+
+class MixedFolder : public SequenceFolderTest {
+ protected:
+  void WriteSeries(const std::string& before, const std::string& behind, int grey) {
+    for (int i = 0; i < 12; ++i) WriteImage(fmt::format("{}{:04}{}", before, i, behind), grey + i);
+    Write("camera.yaml", kSmallCamera);
+  }
+};
+
+TEST_F(MixedFolder, LeftAndRightHaveToBeChosen) {
+  WriteSeries("left", ".png", 10);
+  WriteSeries("right", ".png", 110);
+  EXPECT_THAT(Error(), AllOf(HasSubstr("left*.png (12 images)"),
+                             HasSubstr("right*.png (12 images)"), HasSubstr("name one")));
+  const auto source = OpenSource((folder_ / "right*.png").string(), options_);
+  int frames = 0;
+  while (const auto frame = source->Next()) {
+    EXPECT_EQ(frame->grey.at<uint8_t>(0, 0), 110 + frames++);
+  }
+  EXPECT_EQ(frames, 12);
+  EXPECT_THROW(OpenSource((folder_ / "middle*.png").string(), options_), std::runtime_error);
+}
+
+TEST_F(MixedFolder, MasksAndDepthAreLeftOut) {
+  WriteSeries("", ".png", 10);
+  WriteSeries("", "_mask.png", 200);
+  WriteSeries("depth-", ".png", 200);
+  const auto frames = PlayAll();
+  ASSERT_EQ(frames.size(), 12u);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(frames[i].grey.at<uint8_t>(0, 0), 10 + i);
+  EXPECT_THAT(report_.notes, ElementsAre(AllOf(HasSubstr("*_mask.png"), HasSubstr("depth-*.png"),
+                                               HasSubstr("*.png is played"))));
 }
 
 TEST(NaturalOrder, ComparesNumbersByValue) {

@@ -1,6 +1,7 @@
 #include "player/log_source.h"
 
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -102,7 +103,8 @@ TEST_F(LogSourceTest, PlaysImagesWithTheirTruth) {
     EXPECT_EQ(source->WorldFromCam(frame->stamp_us)->translation.x(), i);
   }
   EXPECT_FALSE(source->Next());
-  EXPECT_EQ(source->Summary(), "");
+  EXPECT_EQ(source->Report().expected, kFrames);
+  EXPECT_TRUE(source->Report().skipped.empty());
 }
 
 TEST_F(LogSourceTest, PlaysFeaturesAndLinesWithoutImagesOrWhenAsked) {
@@ -139,7 +141,49 @@ TEST_F(LogSourceTest, LeavesOutDamagedMessages) {
   EXPECT_EQ(source->Next()->stamp_us, 0);
   EXPECT_EQ(source->Next()->stamp_us, 1000);
   EXPECT_FALSE(source->Next());
-  EXPECT_THAT(source->Summary(), HasSubstr("left out 1 damaged"));
+  EXPECT_EQ(source->Report().without_end, path_ + " is cut off");
+}
+
+TEST_F(LogSourceTest, CountsWhatIsMissing) {
+  WriteCamera();
+  for (const int i : {0, 1, 3, 4, 7}) WriteImage(i);
+  log_->Write(0, kImageChannel, std::vector<uint8_t>(100, 7));  // one of those that are missing
+  Write(kImageChannel, ImageMessage(), 8, /*last=*/true);
+  const auto source = Open();
+  int frames = 0;
+  while (source->Next()) ++frames;
+  EXPECT_EQ(frames, 5);
+  const SourceReport report = source->Report();
+  EXPECT_EQ(report.expected, 8);
+  EXPECT_EQ(report.skipped.at("missing in the log"), 2);
+  EXPECT_EQ(report.skipped.at("damaged in the log"), 1);
+  EXPECT_EQ(report.without_end, "");
+}
+
+TEST_F(LogSourceTest, PlaysInOrderOfTime) {
+  WriteCamera();
+  for (const int i : {0, 1, 4, 3, 2, 5, 6, 7}) WriteImage(i);
+  const auto source = Open();
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(source->Next()->stamp_us, 1000 * i);
+  EXPECT_FALSE(source->Next());
+}
+
+TEST_F(LogSourceTest, GoesOnBehindForeignBytes) {
+  WriteCamera();
+  for (int i = 0; i < 4; ++i) WriteImage(i);
+  log_.reset();
+  std::ofstream(path_, std::ios::app | std::ios::binary) << "123456789";
+  const std::string first = path_ + ".first";
+  fs::rename(path_, first);
+  log_ = std::make_unique<EventLogWriter>(path_);
+  for (int i = 4; i < 8; ++i) WriteImage(i);
+  log_.reset();
+  std::ofstream(first, std::ios::app | std::ios::binary)
+      << std::ifstream(path_, std::ios::binary).rdbuf();
+  fs::rename(first, path_);
+  const auto source = OpenSource(path_, {});
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(source->Next()->stamp_us, 1000 * i);
+  EXPECT_THAT(source->Report().notes, ::testing::ElementsAre(HasSubstr("9 bytes in 1 places")));
 }
 
 TEST_F(LogSourceTest, SaysWhatIsWrong) {

@@ -57,7 +57,7 @@ class SequenceFolderTest : public ::testing::Test {
     const auto source = Open();
     std::vector<SourceFrame> frames;
     while (auto frame = source->Next()) frames.push_back(std::move(*frame));
-    summary_ = source->Summary();
+    report_ = source->Report();
     return frames;
   }
   /// The line of the error that playing ends with; empty if it does not.
@@ -74,7 +74,7 @@ class SequenceFolderTest : public ::testing::Test {
   std::filesystem::path folder_;
   SourceOptions options_;
   std::vector<std::string> told_;
-  std::string summary_;
+  SourceReport report_;
 };
 
 }  // namespace vpslam

@@ -1,8 +1,11 @@
 #include "player/tum_folder.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -57,7 +60,9 @@ TEST_F(TumFolder, PlaysImagesInOrder) {
   EXPECT_EQ(Open()->camera().fy, 61);
   EXPECT_FALSE(Open()->WorldFromCam(0));
   EXPECT_TRUE(told_.empty());
-  EXPECT_TRUE(summary_.empty());
+  EXPECT_EQ(report_.expected, 5);
+  EXPECT_TRUE(report_.skipped.empty());
+  EXPECT_TRUE(report_.notes.empty());
 }
 
 TEST_F(TumFolder, TakesColourForGrey) {
@@ -104,24 +109,143 @@ TEST_F(TumFolder, GivesTheTruth) {
       (*source->WorldFromCam(33'333) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(4, 6, 6)).norm(),
       0, 1e-6);
   EXPECT_FALSE(source->WorldFromCam(100'000));
-  EXPECT_THAT(told_,
+  EXPECT_THAT(source->Report().notes,
               ::testing::ElementsAre(AllOf(HasSubstr("groundtruth.txt:4"), HasSubstr("1 of 3"))));
 }
 
-TEST_F(TumFolder, SkipsRepeatedAndBackwardStamps) {
-  std::string list;
-  for (int i = 0; i < 6; ++i) WriteImage(Name(i), 10 + i);
-  const char* stamps[] = {"0", "0.1", "0.1", "0.05", "0.1", "0.2"};
-  for (int i = 0; i < 6; ++i) list += fmt::format("{} {}\n", stamps[i], Name(i));
-  Write("rgb.txt", list);
+/// As above, with the stamps of a list that somebody wrote.
+class TumStamps : public TumFolder {
+ protected:
+  void WriteStamps(const std::vector<double>& stamps_s, const char* format = "{:.6f}") {
+    std::string list = "# timestamp filename\n";
+    for (size_t i = 0; i < stamps_s.size(); ++i) {
+      WriteImage(Name(static_cast<int>(i)), 10 + static_cast<int>(i));
+      list +=
+          fmt::format(fmt::runtime(format), stamps_s[i]) + " " + Name(static_cast<int>(i)) + "\n";
+    }
+    Write("rgb.txt", list);
+  }
+  static std::vector<double> Even(int n) {
+    std::vector<double> stamps;
+    for (int i = 0; i < n; ++i) stamps.push_back(100 + i / 30.0);
+    return stamps;
+  }
+  /// The images that are played, by number; stamps have to ascend.
+  std::vector<int> Played() {
+    std::vector<int> numbers;
+    int64_t last_us = std::numeric_limits<int64_t>::min();
+    for (const SourceFrame& frame : PlayAll()) {
+      EXPECT_GT(frame.stamp_us, last_us);
+      last_us = frame.stamp_us;
+      numbers.push_back(frame.grey.at<uint8_t>(0, 0) - 10);
+    }
+    return numbers;
+  }
+};
+
+TEST_F(TumStamps, AShuffledListIsSorted) {
+  auto stamps = Even(40);
+  std::shuffle(stamps.begin(), stamps.end(), std::mt19937(3));
+  WriteStamps(stamps);
+  const std::vector<int> played = Played();
+  ASSERT_THAT(played, SizeIs(40));
+  for (size_t i = 1; i < played.size(); ++i) EXPECT_LT(stamps[played[i - 1]], stamps[played[i]]);
+  EXPECT_THAT(report_.notes, ::testing::ElementsAre(HasSubstr("was sorted")));
+}
+
+TEST_F(TumStamps, OneStampInTheFutureCostsOneImage) {
+  for (const int wrong : {0, 20}) {
+    auto stamps = Even(40);
+    stamps[wrong] += 1e9;
+    WriteStamps(stamps);
+    EXPECT_THAT(Played(), AllOf(SizeIs(39), ::testing::Not(::testing::Contains(wrong))));
+    EXPECT_EQ(report_.expected, 40);
+    EXPECT_EQ(report_.skipped.at("time stamp out of place"), 1);
+    fs::remove_all(folder_ / "rgb");
+  }
+}
+
+TEST_F(TumStamps, AClockThatIsSetBackIsBridged) {
+  auto stamps = Even(40);
+  for (int i = 20; i < 40; ++i) stamps[i] -= 5;
+  WriteStamps(stamps);
+  Write("groundtruth.txt", fmt::format("{:.6f} 7 0 0 0 0 0 1\n", stamps[30]));
+  const std::vector<int> played = Played();
+  ASSERT_THAT(played, SizeIs(40));
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(played[i], i);
+  EXPECT_THAT(report_.notes,
+              ::testing::Contains(AllOf(HasSubstr("rgb.txt:22"), HasSubstr("set back"))));
+  // The truth keeps to the stamps of the file.
+  const auto source = Open();
+  for (int i = 0; i < 30; ++i) source->Next();
+  EXPECT_EQ(source->WorldFromCam(source->Next()->stamp_us)->translation.x(), 7);
+}
+
+TEST_F(TumStamps, ManyRepeatedStampsAreRefused) {
+  WriteStamps(Even(40), "{:.0f}");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("rgb.txt:3"), HasSubstr("100.000000"), HasSubstr("rounded"),
+                             HasSubstr("38 of 40")));
+}
+
+TEST_F(TumStamps, OtherUnitsAreNamed) {
+  auto stamps = Even(40);
+  for (double& stamp : stamps) stamp = (stamp - 100) * 1e3;
+  WriteStamps(stamps, "{:.0f}");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("rgb.txt:3"), HasSubstr("are milliseconds"),
+                             HasSubstr("camera.yaml has 30 Hz")));
+  for (double& stamp : stamps) stamp *= 1e3;
+  WriteStamps(stamps, "{:.0f}");
+  EXPECT_THAT(Error(), HasSubstr("are microseconds"));
+  for (int i = 0; i < 40; ++i) stamps[i] = i;
+  WriteStamps(stamps, "{:.0f}");
+  EXPECT_THAT(Error(), HasSubstr("are numbers of images"));
+  Write("camera.yaml", std::string(kSmallCamera) + "fps: 1\n");  // which they are not then
+  EXPECT_THAT(Played(), SizeIs(40));
+}
+
+TEST_F(TumStamps, LongGapsAreTold) {
+  auto stamps = Even(40);
+  for (int i = 10; i < 40; ++i) stamps[i] += 3600;
+  WriteStamps(stamps);
+  EXPECT_THAT(Played(), SizeIs(40));
+  EXPECT_THAT(report_.notes,
+              ::testing::ElementsAre(AllOf(HasSubstr("rgb.txt:12"), HasSubstr("3600 s"))));
+}
+
+TEST_F(TumStamps, ATruthThatMatchesNothingIsTold) {
+  WriteStamps(Even(40));
+  Write("groundtruth.txt", "1000 1 2 3 0 0 0 1\n1001 1 2 3 0 0 0 1\n");
+  Played();
+  EXPECT_THAT(report_.notes, ::testing::ElementsAre(AllOf(HasSubstr("0 of 40 images"),
+                                                          HasSubstr("1000.000 to 1001.000 s"))));
+  Write("groundtruth.txt", "100 1 2 3 0 0 0 1 0 0 0 0\n");
+  Played();
+  EXPECT_THAT(report_.notes, ::testing::Contains(HasSubstr("KITTI")));
+}
+
+TEST_F(TumStamps, SixteenBitsAreStretchedAsTheFirstImagesAre) {
+  WriteStamps(Even(10));
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(cv::imwrite((folder_ / Name(i)).string(),
+                            cv::Mat(48, 64, CV_16UC1, cv::Scalar(100 * i + 120))));
+  }
   const auto frames = PlayAll();
-  ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[0].stamp_us, 0);
-  EXPECT_EQ(frames[1].grey.at<uint8_t>(0, 0), 11);
-  EXPECT_EQ(frames[2].grey.at<uint8_t>(0, 0), 15);
-  EXPECT_THAT(told_, ::testing::ElementsAre(AllOf(HasSubstr(Name(2)), HasSubstr("repeated")),
-                                            AllOf(HasSubstr(Name(3)), HasSubstr("backward"))));
-  EXPECT_THAT(summary_, AllOf(HasSubstr("2 repeated"), HasSubstr("1 backward")));
+  // Up to 1020: 10 bits.
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_NEAR(frames[i].grey.at<uint8_t>(0, 0), (100 * i + 120) * 255.0 / 1023, 1) << i;
+  }
+  EXPECT_THAT(report_.notes,
+              ::testing::ElementsAre(AllOf(HasSubstr("16-bit"), HasSubstr("0 to 1023"))));
+}
+
+TEST_F(TumStamps, TheListItselfCanBeNamed) {
+  WriteStamps(Even(5));
+  const auto source = OpenSource((folder_ / "rgb.txt").string(), options_);
+  int frames = 0;
+  while (source->Next()) ++frames;
+  EXPECT_EQ(frames, 5);
+  EXPECT_THROW(OpenSource((folder_ / "camera.yaml").string(), options_), std::runtime_error);
+  EXPECT_THROW(OpenSource((folder_ / Name(0)).string(), options_), std::runtime_error);
 }
 
 TEST_F(TumFolder, SkipsSingleBadFrames) {
@@ -135,11 +259,14 @@ TEST_F(TumFolder, SkipsSingleBadFrames) {
   EXPECT_EQ(frames.size(), 95u);
   ASSERT_THAT(told_, SizeIs(5));
   for (int i = 0; i < 5; ++i) EXPECT_THAT(told_[i], HasSubstr(Name(10 * (i + 1))));
-  EXPECT_THAT(told_[0], HasSubstr("missing"));
-  EXPECT_THAT(told_[1], HasSubstr("truncated"));
+  EXPECT_THAT(told_[0], AllOf(HasSubstr("rgb.txt:12"), HasSubstr("missing")));
+  EXPECT_THAT(told_[1], AllOf(HasSubstr("rgb.txt:22"), HasSubstr("truncated")));
   EXPECT_THAT(told_[2], HasSubstr("empty"));
   EXPECT_THAT(told_[4], AllOf(HasSubstr("48 x 64"), HasSubstr("64 x 48")));
-  EXPECT_THAT(summary_, AllOf(HasSubstr("5 bad"), HasSubstr("95 images")));
+  EXPECT_EQ(report_.expected, 100);
+  EXPECT_EQ(report_.skipped.at("is missing"), 1);
+  EXPECT_EQ(report_.skipped.at("is truncated"), 1);
+  EXPECT_EQ(report_.skipped.at("is of another size"), 1);
 }
 
 TEST_F(TumFolder, NoticesATruncatedJpeg) {
@@ -149,7 +276,7 @@ TEST_F(TumFolder, NoticesATruncatedJpeg) {
   cv::randu(noise, 0, 255);
   for (int i = 0; i < 60; ++i) {
     ASSERT_TRUE(cv::imwrite((folder_ / Name(i, "jpg")).string(), noise));
-    list += fmt::format("{} {}\n", i, Name(i, "jpg"));
+    list += fmt::format("{:.3f} {}\n", i / 30.0, Name(i, "jpg"));
   }
   Write("rgb.txt", list);
   Truncate(Name(10, "jpg"), 0.9);
@@ -164,7 +291,7 @@ TEST_F(TumFolder, NoticesATruncatedJpeg) {
 TEST_F(TumFolder, GivesUpOnTooManyBadFrames) {
   WriteSequence(60);
   for (int i = 1; i <= 4; ++i) fs::remove(folder_ / Name(10 * i));
-  EXPECT_THAT(Error(), AllOf(HasSubstr(Name(40)), HasSubstr("4 of 60"), HasSubstr("correct")));
+  EXPECT_THAT(Error(), AllOf(HasSubstr(Name(10)), HasSubstr("4 of 60"), HasSubstr("correct")));
 }
 
 TEST_F(TumFolder, GivesUpOnACalibrationOfAnotherSize) {
@@ -183,6 +310,8 @@ TEST_F(TumFolder, RefusesWhatIsNoSequence) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("rgb.txt:1"), HasSubstr("2 of 2")));
   Write("rgb.txt", "nan rgb/0000.png\n");
   EXPECT_THAT(Error(), HasSubstr("rgb.txt:1"));
+  Write("rgb.txt", "1,033 rgb/0000.png\n1,066 rgb/0001.png\n");
+  EXPECT_THAT(Error(), HasSubstr("decimal comma"));
   EXPECT_THROW(OpenSource((folder_ / "nowhere").string(), options_), std::runtime_error);
 }
 
