@@ -19,7 +19,7 @@ TYPES = {"CAMERA": "camera_t", "IMAGE": "image_t", "FEATURES": "features_t", "LI
          "LINES_REQUEST": "lines_request_t", "POSE": "pose_t", "TRUTH": "truth_t",
          "KEYFRAME": "keyframe_t", "MAP": "map_delta_t", "MAP_REQUEST": "map_request_t",
          "ACK": "ack_t", "COMMAND": "command_t", "RUN": "run_t", "STATUS": "status_t",
-         "PREVIEW": "preview_t"}
+         "PREVIEW": "preview_t", "OUTCOME": "outcome_t"}
 
 
 def events(path):

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "player/folder_reading.h"
 #include "player/image_list_source.h"
 #include "player/image_series.h"
+#include "player/text_lines.h"
 
 namespace vpslam {
 namespace {
@@ -35,8 +37,36 @@ std::vector<std::string> NamesOf(const std::vector<fs::path>& files) {
   return names;
 }
 
+/// Names that are decimal numbers, as times are, in order of these: 1.5 comes behind 1.25. Not
+/// where they mean something else: 1.1 and 1.10 are two.
+void SortTimes(std::vector<fs::path>* files) {
+  std::map<double, fs::path> by_time;
+  for (const fs::path& file : *files) {
+    const auto time = ParseNumber(file.stem().string());
+    if (!time || file.stem().string().find('.') == std::string::npos) return;
+    if (!by_time.emplace(*time, file).second) return;
+  }
+  files->clear();
+  for (const auto& [time, file] : by_time) files->push_back(file);
+}
+
+/// A list in a folder above that has the time stamps of the images in this one; empty if there is
+/// none.
+fs::path ListAbove(const fs::path& folder) {
+  std::error_code error;
+  fs::path above = fs::absolute(folder, error).lexically_normal();
+  for (int levels = 0; levels < 2 && above.has_relative_path(); ++levels) {
+    above = above.parent_path();
+    for (const char* list : {"rgb.txt", "times.txt", "data.csv"}) {
+      if (fs::is_regular_file(above / list, error)) return above / list;
+    }
+  }
+  return {};
+}
+
 std::vector<fs::path> FilesOf(const Place& place) {
   std::vector<fs::path> files = ImageFilesIn(place.folder);
+  SortTimes(&files);
   if (place.pattern.empty()) return files;
   std::erase_if(files, [&](const fs::path& file) {
     return !MatchesSeries(file.filename().string(), place.pattern);
@@ -80,6 +110,15 @@ std::unique_ptr<ImageSource> OpenImageFolder(const std::string& path,
     throw std::runtime_error(path + ": holds no image; name a folder with files such as 0001.png");
   }
   files = OneSeries(place, std::move(files), &list.notes);
+  const fs::path above = ListAbove(place.folder);
+  if (!above.empty() && options.camera_file.empty() && !fs::exists(place.folder / "camera.yaml")) {
+    throw std::runtime_error(path + ": has no camera.yaml; name the folder of the sequence, " +
+                             above.parent_path().string() + ", or a calibration with --camera");
+  }
+  if (!above.empty()) {
+    list.notes.push_back(above.string() +
+                         ": is not read, since its images' folder alone is played");
+  }
   ReadListCamera(place.folder, options, &list);
   if (options.fps > 0) list.camera.fps = options.fps;
   for (size_t i = 0; i < files.size(); ++i) {

@@ -161,12 +161,6 @@ class LogSource : public ImageSource {
         ++handles_;
         return;
       }
-      if (frame.width != camera_.width || frame.height != camera_.height) {
-        if (camera_.width > 0) {
-          Fail(fmt::format("has an image of {} x {} px, but its camera has {} x {}", frame.width,
-                           frame.height, camera_.width, camera_.height));
-        }
-      }
     }
     kind->frames.push_back({position, frame.stamp_us});
   }
@@ -260,6 +254,10 @@ class LogSource : public ImageSource {
     const auto message = Take<ImageMessage>(event);
     if (!message) Fail("has changed while it was read; read it again");
     const ImageMessage& image = message->value;
+    if (image.width != camera_.width || image.height != camera_.height) {
+      Fail(fmt::format("has an image of {} x {} px, but its camera has {} x {}", image.width,
+                       image.height, camera_.width, camera_.height));
+    }
     SourceFrame frame;
     frame.grey.create(image.height, image.width, CV_8UC1);
     std::memcpy(frame.grey.data, image.bytes.data(), image.bytes.size());

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/json_text.h"
+
 namespace vpslam {
 
 nlohmann::ordered_json DescribeOutcome(const SourceReport& report, int64_t played,
@@ -24,6 +26,21 @@ nlohmann::ordered_json DescribeOutcome(const SourceReport& report, int64_t playe
   if (!report.without_end.empty()) outcome["end_missing"] = report.without_end;
   outcome["notes"] = report.notes;
   return outcome;
+}
+
+std::string OutcomeText(nlohmann::ordered_json outcome) {
+  constexpr size_t kMaxNotes = 20, kMaxLength = 400;
+  auto& notes = outcome["notes"];
+  const size_t more = notes.size() > kMaxNotes ? notes.size() - kMaxNotes : 0;
+  if (more > 0) {
+    notes.erase(notes.begin() + kMaxNotes, notes.end());
+    notes.push_back(fmt::format("{} more are in the player's log", more));
+  }
+  for (auto& note : notes) {
+    const auto text = note.get<std::string>();
+    if (text.size() > kMaxLength) note = text.substr(0, kMaxLength) + " ...";
+  }
+  return ToText(outcome);
 }
 
 std::string OutcomeLine(const nlohmann::ordered_json& outcome) {

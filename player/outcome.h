@@ -17,6 +17,9 @@ namespace vpslam {
 nlohmann::ordered_json DescribeOutcome(const SourceReport& report, int64_t played,
                                        const std::string& why_not_sent);
 
+/// As the text of a message, in which only so many notes, shortened, have room.
+std::string OutcomeText(nlohmann::ordered_json outcome);
+
 /// "played 57 of 60 images: 3 skipped (is truncated)"
 std::string OutcomeLine(const nlohmann::ordered_json& outcome);
 

@@ -12,10 +12,12 @@
 
 #include "core/geometry/camera_plausibility.h"
 #include "core/messages/command.h"
+#include "core/messages/outcome.h"
 #include "core/messages/truth.h"
 #include "core/transport/camera_link.h"
 #include "core/transport/channels.h"
 #include "core/transport/inbox.h"
+#include "core/transport/publisher.h"
 #include "core/transport/receive_buffer.h"
 #include "core/transport/stream_writer.h"
 #include "player/frame_sender.h"
@@ -50,6 +52,7 @@ class Player {
         truths_(bus, kTruthChannel, AndRecorderIf(options.record != "none", {}),
                 TruthWindow(options.pace)),
         frames_(MakeFrameSender(bus, source, options)),
+        outcomes_(bus, kOutcomeChannel),
         tempo_(source.IsLive()) {}
 
   int64_t Run() {
@@ -72,6 +75,7 @@ class Player {
                    std::chrono::duration<double>(Tempo::kMaxDebt).count(), tempo_.restarts());
     }
     End();
+    outcomes_.Publish(outcome_);  // again, as nobody acknowledges it
     if (broken) std::rethrow_exception(broken);
     return sent_;
   }
@@ -164,6 +168,8 @@ class Player {
                       100 * usable));
     }
     const auto outcome = DescribeOutcome(report, sent_, why_not_sent);
+    outcome_.json = OutcomeText(outcome);
+    outcomes_.Publish(outcome_);
     const bool all = outcome["skipped"].empty() && !outcome.contains("end_missing");
     spdlog::log(all ? spdlog::level::info : spdlog::level::warn, "{}", OutcomeLine(outcome));
   }
@@ -293,6 +299,8 @@ class Player {
   std::optional<CameraBeacon> camera_;
   StreamWriter<Truth> truths_;
   std::unique_ptr<FrameSender> frames_;
+  Publisher<Outcome> outcomes_;
+  Outcome outcome_;
   PlayControl control_;
   GapBound gaps_;
   Tempo tempo_;

@@ -84,6 +84,8 @@ bool BeginsWith(const std::string& path, std::string_view magic) {
 /// Why a file is neither log nor video, where that can be told; FFmpeg makes something of almost
 /// anything.
 std::string WhyNoSequence(const std::string& name) {
+  std::error_code error;
+  if (fs::file_size(name, error) == 0) return "is empty; is the copy complete?";
   if (IsTextFile(name)) return "is a text file; name the folder of the sequence";
   if (HasImageEnding(name)) return "is a single image; name its folder";
   constexpr const char* kArchive = "is an archive; unpack it, and name the folder";

@@ -44,7 +44,7 @@ class MessageLog::Impl {
       : bus_(bus), options_(options), file_(options.path), camera_requests_(bus, kCommandChannel) {
     for (const char* channel :
          {kCameraChannel, kLinesChannel, kLinesRequestChannel, kMapRequestChannel, kAckChannel,
-          kCommandChannel, kStatusChannel, kPreviewChannel}) {
+          kCommandChannel, kStatusChannel, kPreviewChannel, kOutcomeChannel}) {
       registrations_.push_back(
           bus.Subscribe(channel, [this, channel](std::span<const uint8_t> bytes) {
             Add({RealtimeMicroseconds(), channel, Bytes(bytes.begin(), bytes.end()), {}});

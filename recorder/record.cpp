@@ -16,6 +16,7 @@
 
 #include "core/messages/command.h"
 #include "core/messages/map_request.h"
+#include "core/messages/outcome.h"
 #include "core/transport/channels.h"
 #include "core/transport/inbox.h"
 #include "core/transport/peers.h"
@@ -72,6 +73,7 @@ class Recorder::Impl {
         statuses_(bus, kStatusChannel, Inbox<ProcessStatus>::kUnbounded),
         commands_(bus, kCommandChannel, Inbox<Command>::kUnbounded),
         previews_(bus, kPreviewChannel, 1),
+        outcomes_(bus, kOutcomeChannel, 1),
         requests_(bus, kMapRequestChannel),
         peers_(bus) {}
 
@@ -164,6 +166,7 @@ class Recorder::Impl {
 
   void TakeStatuses() {
     while (const auto message = statuses_.TryTake()) run_.Add(message->value);
+    while (const auto message = outcomes_.TryTake()) run_.Add(message->value);
   }
 
   bool OthersFinished() const {
@@ -215,6 +218,7 @@ class Recorder::Impl {
   Inbox<ProcessStatus> statuses_;
   Inbox<Command> commands_;
   Inbox<Preview> previews_;
+  Inbox<Outcome> outcomes_;
   Publisher<MapRequest> requests_;
   Peers peers_;
   RunRecord run_;

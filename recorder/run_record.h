@@ -13,6 +13,7 @@
 #include "core/map/map_replica.h"
 #include "core/messages/frame_pose.h"
 #include "core/messages/map_delta.h"
+#include "core/messages/outcome.h"
 #include "core/messages/preview.h"
 #include "core/messages/process_status.h"
 
@@ -41,6 +42,7 @@ class RunRecord {
   void Add(const FramePose& pose);
   void Add(const ProcessStatus& status);
   void Add(const Preview& preview) { preview_ = preview; }
+  void Add(const Outcome& outcome) { outcome_ = outcome; }
   /// False if the delta does not fit the version at hand: a snapshot has to be asked for.
   bool Apply(const MapDelta& delta);
 
@@ -54,6 +56,9 @@ class RunRecord {
 
   /// The newest; empty where none was asked for.
   const Preview& preview() const { return preview_; }
+
+  /// What the player says of the sequence; an empty object before it has ended.
+  const Outcome& outcome() const { return outcome_; }
 
   /// Images that went out, as far as is known: what the player says, or the frontend's poses show.
   int64_t frames_in() const;
@@ -71,6 +76,7 @@ class RunRecord {
   std::map<KeyframeId, Origin> origins_;  ///< also of keyframes whose map was erased since
   MapReplica map_;
   Preview preview_;
+  Outcome outcome_;
   std::map<std::pair<std::string, int32_t>, ProcessStatus> processes_;
 };
 

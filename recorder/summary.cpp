@@ -39,6 +39,38 @@ Json Frames(const RunRecord& run) {
           {"tracked", tracked}};
 }
 
+/// How many of the images that were played have no pose in the end, by the reason.
+Json NoPose(const RunRecord& run) {
+  Json reasons = Json::object();
+  const auto count = [&](const char* reason, int64_t images) {
+    if (images > 0) reasons[reason] = reasons.value(reason, int64_t{0}) + images;
+  };
+  count("dropped", run.frames_in() - static_cast<int64_t>(run.frames().size()));
+  for (const auto& [seq, frame] : run.frames()) {
+    const FramePose& pose = frame.last;
+    if (HasFinalPose(run, pose)) continue;
+    switch (pose.state) {
+      case TrackingState::kInitialising:
+        count("before a map was started", 1);
+        break;
+      case TrackingState::kLost:
+        count("lost", 1);
+        break;
+      case TrackingState::kTracking:
+        count(IsMeasured(pose) ? "in a map that was given up" : "without enough of the map in view",
+              1);
+        break;
+    }
+  }
+  return reasons;
+}
+
+/// What the player says of the images of the sequence; null where it has not ended yet.
+Json Sequence(const RunRecord& run) {
+  const Json sequence = Json::parse(run.outcome().json, nullptr, /*allow_exceptions=*/false);
+  return sequence.is_object() && !sequence.empty() ? sequence : Json();
+}
+
 Json StageMedians(const RunRecord& run) {
   Json medians = Json::object();
   for (const auto& stage : kTrackingStages) {
@@ -105,6 +137,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
   for (const auto& [name, mb] : rss_mb) rss[name] = Rounded(mb);
 
   Json summary = {{"frames", Frames(run)},
+                  {"no_pose", NoPose(run)},
                   {"latency_ms", Latency(run)},
                   {"cpu_ms_per_frame", cpu},
                   {"messages", Messages(run)},
@@ -118,6 +151,7 @@ Json Summary(const RunRecord& run, const RunInfo& info) {
                   {"options", info.options},
                   {"seed", info.seed},
                   {"commit", info.commit}};
+  if (const Json sequence = Sequence(run); !sequence.is_null()) summary["sequence"] = sequence;
   if (!info.log.is_null()) summary["log"] = info.log;
   return summary;
 }

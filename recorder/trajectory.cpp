@@ -20,6 +20,12 @@ void AppendNumber(double value, std::string* text) {
 
 }  // namespace
 
+bool HasFinalPose(const RunRecord& run, const FramePose& pose) {
+  SE3 cam_from_world;
+  return IsMeasured(pose) &&
+         run.map().Place(pose.reference, pose.cam_from_reference, &cam_from_world);
+}
+
 std::vector<MapTrajectory> FinalTrajectories(const RunRecord& run) {
   std::map<MapId, MapTrajectory> by_map;
   for (const auto& [seq, frame] : run.frames()) {

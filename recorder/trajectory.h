@@ -21,6 +21,9 @@ struct MapTrajectory {
   std::vector<StampedPose> poses;  ///< by frame
 };
 
+/// Whether the frame has a pose in one of the trajectories.
+bool HasFinalPose(const RunRecord& run, const FramePose& pose);
+
 /// Every measured frame of each map, placed by where its reference keyframe is now:
 /// world_from_cam = (cam_from_reference * reference_from_world)^-1 (see Map::Place). The map with
 /// most frames comes first, ties by id; a frame belongs to the map in which its reference keyframe

@@ -37,7 +37,8 @@ bool IsTruncatedPng(const std::vector<uint8_t>& bytes) {
 }
 
 /// The largest value that a PGM or PPM announces, and that OpenCV 4.6 leaves as it is; 0 for other
-/// files, and for small numbers written as text, which it brings to 255.
+/// files, for small numbers written as text, which it brings to 255, and for 65535, which programs
+/// write whatever the content is.
 int MaxvalOfPnm(const std::vector<uint8_t>& bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                               std::min<size_t>(bytes.size(), 4096));
@@ -54,7 +55,7 @@ int MaxvalOfPnm(const std::vector<uint8_t>& bytes) {
       in_number = true;
       if (value > 65535) return 0;
     } else {
-      if (in_number && ++numbers == 3) return value < 256 && text[1] < '5' ? 0 : value;
+      if (in_number && ++numbers == 3) return value == 65535 || (value < 256 && text[1] < '5') ? 0 : value;
       in_number = false;
       in_comment = c == '#';
     }

@@ -21,6 +21,7 @@ inline constexpr const char* kAckChannel = "ACK";
 inline constexpr const char* kCommandChannel = "COMMAND";
 inline constexpr const char* kStatusChannel = "STATUS";
 inline constexpr const char* kPreviewChannel = "PREVIEW";
+inline constexpr const char* kOutcomeChannel = "OUTCOME";
 
 /// Senders count ACK per stream, and COMMAND comes from several places: numbers that are missing
 /// there mean nothing.

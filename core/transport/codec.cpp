@@ -11,6 +11,7 @@
 #include "core/messages/lines_request.h"
 #include "core/messages/map_delta.h"
 #include "core/messages/map_request.h"
+#include "core/messages/outcome.h"
 #include "core/messages/preview.h"
 #include "core/messages/process_status.h"
 #include "core/messages/run_description.h"

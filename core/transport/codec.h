@@ -75,6 +75,7 @@ void SetOldestSeq(std::vector<uint8_t>* bytes, int64_t oldest_seq);
   X(Command, command_t)            \
   X(RunDescription, run_t)         \
   X(ProcessStatus, status_t)       \
-  X(Preview, preview_t)
+  X(Preview, preview_t)            \
+  X(Outcome, outcome_t)
 
 }  // namespace vpslam

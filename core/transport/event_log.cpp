@@ -23,6 +23,17 @@ constexpr int64_t kMaxDataBytes = 1 << 30;  ///< far more than a message has
 constexpr std::uintmax_t kSpaceLeftBytes = 32'000'000;
 constexpr int64_t kCheckSpaceEveryBytes = 1'000'000;
 
+/// Whether the lengths in the header of an event, where all of it is there, are those of one: for
+/// files that do not begin with it.
+bool LooksLikeAnEvent(std::span<const uint8_t> bytes) {
+  if (std::ssize(bytes) < kHeaderBytes) return false;
+  const auto length = [&](size_t at) {
+    return static_cast<int64_t>(bytes[at]) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |
+           bytes[at + 3];
+  };
+  return length(20) >= 1 && length(20) <= kMaxChannelBytes && length(24) <= kMaxDataBytes;
+}
+
 struct Destroy {
   void operator()(lcm_eventlog_t* log) const { lcm_eventlog_destroy(log); }
 };
@@ -248,8 +259,11 @@ bool IsEventLog(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;
   std::ifstream file(path, std::ios::binary);
-  std::array<uint8_t, 4> begin{};
-  return file.read(reinterpret_cast<char*>(begin.data()), begin.size()) && begin == kSyncWord;
+  std::vector<uint8_t> begin(1 << 16);
+  file.read(reinterpret_cast<char*>(begin.data()), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<size_t>(file.gcount()));
+  const auto found = std::search(begin.begin(), begin.end(), kSyncWord.begin(), kSyncWord.end());
+  return found != begin.end() && (found == begin.begin() || LooksLikeAnEvent({found, begin.end()}));
 }
 
 }  // namespace vpslam

@@ -66,7 +66,7 @@ class EventLogReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// True if the file begins as such a log does.
+/// True if the file begins as such a log does, also behind some damage.
 bool IsEventLog(const std::string& path);
 
 }  // namespace vpslam

@@ -82,6 +82,7 @@ class BadInput(system.SystemTest):
         self.assertEqual(status, 0, output)
         log = (self.folder / "one_bad-out" / "logs" / "player.log").read_text()
         self.assertIn(image.name, log)
+        self.assertIn("played 9 of 10 images: 1 skipped (is truncated or no image)", output)
         self.assert_nothing_left()
 
 

@@ -82,7 +82,7 @@ TEST_F(PreLossPlacementsTest, TheMapsMayMoveMeetAndGo) {
   ASSERT_TRUE(seam);
   EXPECT_LT((seam->cam_from_world.Center() - elsewhere * s.TruthOf(before).Center()).norm(), 1e-9);
 
-  Map gone = s.map.map;
+  OwnedMap gone = s.map.map;
   gone.EraseMap(MapId(0));
   EXPECT_FALSE(placements.SeamAt(gone, after));
   s.map.map.Absorb(MapId(0), MapId(1));

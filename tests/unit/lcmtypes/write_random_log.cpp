@@ -7,6 +7,7 @@
 #include "core/messages/command.h"
 #include "core/messages/lines_request.h"
 #include "core/messages/map_request.h"
+#include "core/messages/outcome.h"
 #include "core/messages/process_status.h"
 #include "core/messages/run_description.h"
 #include "core/messages/truth.h"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
       writer.Write<RunDescription>(kRunChannel);
       writer.Write<ProcessStatus>(kStatusChannel);
       writer.Write<Preview>(kPreviewChannel);
+      writer.Write<Outcome>(kOutcomeChannel);
     }
     return 0;
   } catch (const std::exception& e) {

@@ -57,6 +57,28 @@ TEST_F(ImageFolder, NamesWhatIsWrong) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("shot3.png"), HasSubstr("2 of 5")));
 }
 
+TEST_F(ImageFolder, NamesThatAreTimesComeInTheirOrder) {
+  WriteImage("1000.25.png", 20);
+  WriteImage("1000.5.png", 30);
+  WriteImage("999.75.png", 10);
+  WriteImage("1001.0.png", 40);
+  Write("camera.yaml", kSmallCamera);
+  const auto frames = PlayAll();
+  ASSERT_EQ(frames.size(), 4u);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(frames[i].grey.at<uint8_t>(0, 0), 10 * (i + 1));
+}
+
+TEST_F(ImageFolder, SaysThatThereIsAList) {
+  WriteImage("rgb/0.png", 1);
+  Write("rgb.txt", "0 rgb/0.png\n");
+  Write("camera.yaml", kSmallCamera);
+  const std::string images = (folder_ / "rgb").string();
+  EXPECT_THROW(OpenSource(images, options_), std::runtime_error);
+  options_.camera_file = (folder_ / "camera.yaml").string();
+  EXPECT_THAT(OpenSource(images, options_)->Report().notes,
+              ElementsAre(AllOf(HasSubstr("rgb.txt"), HasSubstr("not read"))));
+}
+
 class MixedFolder : public SequenceFolderTest {
  protected:
   void WriteSeries(const std::string& before, const std::string& behind, int grey) {

@@ -114,6 +114,7 @@ TEST(Results, Summary) {
   const auto summary = nlohmann::json::parse(MakeResults(MakeRun(), MakeInfo()).at("summary.json"));
   const auto expected = nlohmann::json::parse(R"({
     "frames": {"in": 6, "processed": 4, "dropped": 2, "dropped_before_init": 0, "tracked": 3},
+    "no_pose": {"dropped": 2, "before a map was started": 1},
     "latency_ms": {"median": 30.0, "p95": 48.5},
     "cpu_ms_per_frame": {"frontend": 50.0, "player": 20.0, "total": 70.0},
     "messages": {
@@ -141,6 +142,30 @@ TEST(Results, CountsFramesDroppedBeforeTheFirstTrackedOne) {
   EXPECT_EQ(frames["dropped"], 6);
   EXPECT_EQ(frames["dropped_before_init"], 3);  // 0, 2 and 3
   EXPECT_EQ(frames["tracked"], 0) << "their map is unknown, so no trajectory has them";
+}
+
+TEST(Results, WhatBecameOfTheSequenceIsAsThePlayerSays) {
+  RunRecord run = MakeRun();
+  EXPECT_FALSE(Summary(run, {}).contains("sequence"));
+  run.Add(Outcome{R"({"expected": 9, "played": 6, "skipped": {"is missing": 3}})"});
+  EXPECT_EQ(Summary(run, {})["sequence"]["expected"], 9);
+  EXPECT_EQ(Summary(run, {})["sequence"]["skipped"]["is missing"], 3);
+  run.Add(Outcome{"no JSON"});
+  EXPECT_FALSE(Summary(run, {}).contains("sequence"));
+}
+
+TEST(Results, FramesWithoutAPoseHaveAReason) {
+  RunRecord run;
+  for (const int i : {0, 1, 2, 3, 5}) {
+    FramePose pose = MakePose(i, 0, 0, SE3(), SE3());
+    if (i < 2) pose.state = TrackingState::kInitialising;
+    if (i == 3) pose.state = TrackingState::kLost;
+    if (i == 5) pose.inliers = 0;
+    run.Add(pose);
+  }
+  const auto expected = nlohmann::json::parse(R"({"dropped": 1, "before a map was started": 2,
+    "lost": 1, "in a map that was given up": 1, "without enough of the map in view": 1})");
+  EXPECT_EQ(nlohmann::json(Summary(run, {})["no_pose"]), expected);
 }
 
 TEST(Results, OfAnEmptyRun) {

@@ -73,7 +73,7 @@ TEST_F(DecodeImage, StretchesWhatDoesNotFillSixteenBits) {
     for (int i = 0; i < 48 * 64; ++i) {
       ramp.at<uint16_t>(i / 64, i % 64) = static_cast<uint16_t>(i * most / (48 * 64 - 1));
     }
-    for (const char* name : {"ramp.png", "ramp.tiff"}) {
+    for (const char* name : {"ramp.png", "ramp.tiff", "ramp.pgm"}) {
       const std::string path = Write(name, ramp);
       const DeepPixels deep = LookForDeepPixels({Write("shallow.png", noise_), path});
       EXPECT_EQ(deep.path, path);

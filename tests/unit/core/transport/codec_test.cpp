@@ -8,6 +8,7 @@
 #include "core/messages/command.h"
 #include "core/messages/lines_request.h"
 #include "core/messages/map_request.h"
+#include "core/messages/outcome.h"
 #include "core/messages/process_status.h"
 #include "core/messages/run_description.h"
 #include "core/messages/truth.h"

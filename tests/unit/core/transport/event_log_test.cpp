@@ -96,6 +96,17 @@ TEST_F(EventLog, GoesOnBehindForeignBytes) {
   EXPECT_FALSE(log.cut_off());
 }
 
+TEST_F(EventLog, IsKnownBehindADamagedBeginning) {
+  Write(20);
+  std::fstream(path_, std::ios::in | std::ios::out | std::ios::binary).put('x');
+  EXPECT_TRUE(IsEventLog(path_.string()));
+  EventLogReader log(path_.string());
+  int events = 0;
+  while (log.Next()) ++events;
+  EXPECT_EQ(events, 19);
+  EXPECT_EQ(log.damaged_bytes(), 28 + 4);
+}
+
 TEST_F(EventLog, FindsWhatWasAppendedToACutEvent) {
   Write(20);
   std::ifstream in(path_, std::ios::binary);

@@ -11,6 +11,7 @@
 #include "lcmtypes/vpslam/lines_t.hpp"
 #include "lcmtypes/vpslam/map_delta_t.hpp"
 #include "lcmtypes/vpslam/map_request_t.hpp"
+#include "lcmtypes/vpslam/outcome_t.hpp"
 #include "lcmtypes/vpslam/pose_t.hpp"
 #include "lcmtypes/vpslam/preview_t.hpp"
 #include "lcmtypes/vpslam/run_t.hpp"
