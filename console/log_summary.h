@@ -7,7 +7,7 @@
 
 namespace vpslam {
 
-/// {"events", "damaged_bytes", "duration_s",
+/// {"events", "damaged_bytes", "damaged_places", "duration_s",
 ///  "run": {"seed", "commit", "options"}, "camera": {"width", "height"},
 ///  "channels": {name: {"messages", "missing", "repeated", "ended", "bytes"}}}
 ///

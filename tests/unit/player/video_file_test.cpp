@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/videoio.hpp>
 
 #include "tests/unit/player/sequence_folder.h"
 
@@ -70,6 +71,47 @@ TEST_F(VideoFile, TakesPartsAndAnotherRate) {
   EXPECT_EQ(frames[0].stamp_us, 200'000);
   EXPECT_EQ(frames[2].stamp_us, 400'000);
   EXPECT_NEAR(frames[0].grey.at<uint8_t>(0, 0), 24 * 255.0 / 219, 2);
+}
+
+TEST_F(VideoFile, TellsWhatIsMissingAtTheEnd) {
+  const std::string path = (folder_ / "clip.y4m").string() + ".avi";
+  cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
+                         {64, 48});
+  if (!writer.isOpened()) GTEST_SKIP() << "no encoder";
+  cv::Mat noise(48, 64, CV_8UC3);
+  for (int i = 0; i < 40; ++i) {
+    cv::randu(noise, 0, 255);
+    writer.write(noise);
+  }
+  writer.release();
+  const auto play = [&] {
+    const auto source = OpenSource(path, options_);
+    int64_t frames = 0;
+    while (source->Next()) ++frames;
+    report_ = source->Report();
+    return frames;
+  };
+  EXPECT_EQ(play(), 40);
+  EXPECT_EQ(report_.expected, 40);
+  EXPECT_TRUE(report_.skipped.empty());
+  EXPECT_TRUE(report_.notes.empty());
+  Truncate("clip.y4m.avi", 0.6);
+  const int64_t played = play();
+  EXPECT_GT(played, 10);
+  EXPECT_LT(played, 30);
+  EXPECT_EQ(report_.expected, 40);
+  EXPECT_EQ(report_.skipped.at("missing or damaged in the file"), 40 - played);
+  EXPECT_THAT(report_.notes, ::testing::ElementsAre(HasSubstr("is truncated or damaged")));
+  // A part that was asked for, and a stop by hand, are no loss.
+  options_.max_frames = 5;
+  EXPECT_EQ(play(), 5);
+  EXPECT_EQ(report_.expected, 5);
+  EXPECT_TRUE(report_.skipped.empty());
+  options_.max_frames = 0;
+  const auto source = OpenSource(path, options_);
+  source->Next();
+  EXPECT_EQ(source->Report().expected, 40);
+  EXPECT_TRUE(source->Report().skipped.empty());
 }
 
 TEST_F(VideoFile, NamesWhatIsWrong) {

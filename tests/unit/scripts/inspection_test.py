@@ -107,7 +107,8 @@ class RestartLimits(unittest.TestCase):
         self.assertFalse(self.restarts.plan("backend"))
 
 
-SUMMARY = {"events": 10, "damaged_bytes": 0, "duration_s": 2.5, "camera": {"width": 640, "height": 480},
+SUMMARY = {"events": 10, "damaged_bytes": 0, "damaged_places": 0, "duration_s": 2.5,
+           "camera": {"width": 640, "height": 480},
            "run": {"seed": 7, "commit": "abc", "options": {
                "sequence": "room", "set": ["frontend.orb.num_features=900"], "pace": "lockstep",
                "preset": "points", "detectors": 2, "camera": "mine.yaml", "frames": 100}},
@@ -189,9 +190,9 @@ class Log(unittest.TestCase):
 
     def test_a_log_that_was_cut_off(self):
         features = dict(SUMMARY["channels"]["FEATURES"], ended=0)
-        text = log_command.describe(dict(SUMMARY, damaged_bytes=99,
+        text = log_command.describe(dict(SUMMARY, damaged_bytes=99, damaged_places=2,
                                          channels={"FEATURES": features}))
-        self.assertIn("damaged  99 bytes", text)
+        self.assertIn("damaged  99 bytes in 2 places", text)
         self.assertIn("cut off  FEATURES", text)
 
 
