@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "core/messages/names.h"
+#include "core/messages/validate.h"
 
 namespace vpslam {
 namespace {

@@ -29,7 +29,7 @@ nlohmann::ordered_json DescribeOutcome(const SourceReport& report, int64_t playe
 }
 
 std::string OutcomeText(nlohmann::ordered_json outcome) {
-  constexpr size_t kMaxNotes = 20, kMaxLength = 400;
+  constexpr size_t kMaxNotes = 20, kMaxNoteLength = 400;
   auto& notes = outcome["notes"];
   const size_t more = notes.size() > kMaxNotes ? notes.size() - kMaxNotes : 0;
   if (more > 0) {
@@ -38,7 +38,7 @@ std::string OutcomeText(nlohmann::ordered_json outcome) {
   }
   for (auto& note : notes) {
     const auto text = note.get<std::string>();
-    if (text.size() > kMaxLength) note = text.substr(0, kMaxLength) + " ...";
+    if (text.size() > kMaxNoteLength) note = text.substr(0, kMaxNoteLength) + " ...";
   }
   return ToText(outcome);
 }

@@ -79,7 +79,8 @@ TEST(TimeOrder, PutsSingleLinesWhereTheyBelong) {
 }
 
 TEST(TimeOrder, SetsAsideStampsThatFitNowhere) {
-  for (const int64_t off_us : {1'000'000'000'000'000, 700'000, 3'000'000, -700'000, -9'000'000}) {
+  for (const int64_t off_us : std::initializer_list<int64_t>{1'000'000'000'000'000, 700'000,
+                                                             3'000'000, -700'000, -9'000'000}) {
     auto stamps = Even(60);
     stamps[30] += off_us;
     const TimeOrder time = OrderByTime(stamps);
@@ -90,7 +91,8 @@ TEST(TimeOrder, SetsAsideStampsThatFitNowhere) {
 }
 
 TEST(TimeOrder, BridgesAClockThatIsSetBack) {
-  for (const int64_t back_us : {300'000, 1'000'000, 5'000'000, 1'785'000'000'000'000}) {
+  for (const int64_t back_us :
+       std::initializer_list<int64_t>{300'000, 1'000'000, 5'000'000, 1'785'000'000'000'000}) {
     for (const int at : {10, 30, 50}) {
       auto stamps = Even(60);
       for (int i = at; i < 60; ++i) stamps[i] -= back_us;
