@@ -155,7 +155,7 @@ TEST_F(Malformed, NumbersThatNobodyCountsUpTo) {
   Header header = random_.Make<Header>();
   header.seq = INT64_MAX;
   EXPECT_TRUE(Validate(header));
-  // Ids are indices: whoever takes this one up allocates gigabytes.
+  // Tables hold a few bytes for each thousand indices: these would take gigabytes.
   MapDelta delta;
   delta.version = 1;
   KeyframeState keyframe;
@@ -163,8 +163,11 @@ TEST_F(Malformed, NumbersThatNobodyCountsUpTo) {
   keyframe.map = MapId(0);
   delta.keyframes = {keyframe};
   EXPECT_FALSE(Validate(delta));
-  delta.keyframes[0].id = KeyframeId(INT32_MAX);
-  EXPECT_TRUE(Validate(delta));
+  for (const KeyframeId id : {KeyframeId(INT64_MAX), KeyframeId(0, KeyframeId::kMaxIndex),
+                              KeyframeId(KeyframeId::kMaxSession, 0), KeyframeId(int64_t{-2})}) {
+    delta.keyframes[0].id = id;
+    EXPECT_TRUE(Validate(delta)) << id.value;
+  }
 }
 
 TEST_F(Malformed, ObservationsThatBelongToNoKeyframe) {
@@ -177,7 +180,7 @@ TEST_F(Malformed, ObservationsThatBelongToNoKeyframe) {
   ASSERT_TRUE(Accepts<MapDelta>(good));
   // The keyframe's own numbers of observations, of points and of lines, stand right before the
   // observations at the end.
-  const std::size_t end = good.size() - 2 * 8;
+  const std::size_t end = good.size() - 2 * WireBytes<FeatureObservation<PointId>>();
   for (const auto& [offset, right] : {std::pair(end - 8, 2), std::pair(end - 4, 0)}) {
     for (const int32_t count : {-1, 0, 1, 2, 3, INT32_MAX}) {
       std::vector<uint8_t> bytes = good;
