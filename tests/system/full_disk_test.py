@@ -68,7 +68,7 @@ class FullDisk(system.SystemTest):
         for arguments in (["evaluate", system.sequence() / "groundtruth.txt",
                            system.sequence() / "groundtruth.txt", "--plot", under],
                           ["bench", "--suite", "sim", "--out", under],
-                          ["fetch", "tum", "freiburg1_xyz", "--out", under]):
+                          ["fetch-datasets", "tum", "freiburg1_xyz", "--out", under]):
             with self.subTest(arguments[0]):
                 done = subprocess.run([system.VPSLAM, *map(str, arguments)], capture_output=True,
                                       text=True, cwd=self.folder, timeout=120)
