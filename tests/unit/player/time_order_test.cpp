@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -67,7 +69,8 @@ TEST(TimeOrder, SortsWhateverTheMixture) {
 }
 
 TEST(TimeOrder, PutsSingleLinesWhereTheyBelong) {
-  for (const auto& [from, to] : {std::pair(20, 21), {0, 40}, {59, 0}, {10, 59}}) {
+  using Move = std::pair<int, int>;
+  for (const auto& [from, to] : std::vector<Move>{{20, 21}, {0, 40}, {59, 0}, {10, 59}}) {
     auto stamps = Even(60);
     const int64_t moved = stamps[from];
     stamps.erase(stamps.begin() + from);
@@ -79,8 +82,8 @@ TEST(TimeOrder, PutsSingleLinesWhereTheyBelong) {
 }
 
 TEST(TimeOrder, SetsAsideStampsThatFitNowhere) {
-  for (const int64_t off_us : std::initializer_list<int64_t>{1'000'000'000'000'000, 700'000,
-                                                             3'000'000, -700'000, -9'000'000}) {
+  for (const int64_t off_us :
+       std::vector<int64_t>{1'000'000'000'000'000, 700'000, 3'000'000, -700'000, -9'000'000}) {
     auto stamps = Even(60);
     stamps[30] += off_us;
     const TimeOrder time = OrderByTime(stamps);
@@ -92,7 +95,7 @@ TEST(TimeOrder, SetsAsideStampsThatFitNowhere) {
 
 TEST(TimeOrder, BridgesAClockThatIsSetBack) {
   for (const int64_t back_us :
-       std::initializer_list<int64_t>{300'000, 1'000'000, 5'000'000, 1'785'000'000'000'000}) {
+       std::vector<int64_t>{300'000, 1'000'000, 5'000'000, 1'785'000'000'000'000}) {
     for (const int at : {10, 30, 50}) {
       auto stamps = Even(60);
       for (int i = at; i < 60; ++i) stamps[i] -= back_us;

@@ -296,7 +296,7 @@ TEST_F(TumFolder, GivesUpOnTooManyBadFrames) {
 
 TEST_F(TumFolder, GivesUpOnACalibrationOfAnotherSize) {
   WriteSequence(100);
-  Write("other.yaml", "width: 640\nheight: 480\nfx: 60\nfy: 61\ncx: 31.5\ncy: 23.5\n");
+  Write("other.yaml", "width: 640\nheight: 480\nfx: 600\nfy: 610\ncx: 315\ncy: 235\n");
   options_.camera_file = (folder_ / "other.yaml").string();
   EXPECT_THAT(Error(), AllOf(HasSubstr(Name(2)), HasSubstr("64 x 48"), HasSubstr("640 x 480"),
                              HasSubstr("other.yaml"), HasSubstr("--camera")));

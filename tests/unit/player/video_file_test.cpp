@@ -123,7 +123,7 @@ TEST_F(VideoFile, NamesWhatIsWrong) {
   EXPECT_THAT(PlayError(),
               AllOf(HasSubstr("32 x 48"), HasSubstr("64 x 48"), HasSubstr("--camera")));
   Write("clip.y4m", "no video at all");
-  EXPECT_THAT(PlayError(), AllOf(HasSubstr("clip.y4m"), HasSubstr("no video")));
+  EXPECT_THAT(PlayError(), AllOf(HasSubstr("clip.y4m"), HasSubstr("is a text file")));
   WriteVideo(0);
   EXPECT_THAT(PlayError(), HasSubstr("clip.y4m"));
   WriteVideo(5);
