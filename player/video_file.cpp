@@ -111,16 +111,15 @@ class VideoFile : public ImageSource {
   int64_t Missing() const {
     if (contents_.frames) return std::max<int64_t>(0, *contents_.frames - index_);
     if (complaints_->count() == 0 || times_ms_.size() < 2) return 0;
-    std::vector<double> steps_ms;
-    for (size_t i = 1; i < times_ms_.size(); ++i) {
-      steps_ms.push_back(times_ms_[i] - times_ms_[i - 1]);
-    }
+    std::vector<double> times_ms = times_ms_, steps_ms;
+    std::sort(times_ms.begin(), times_ms.end());  // damage may bring them out of order
+    for (size_t i = 1; i < times_ms.size(); ++i) steps_ms.push_back(times_ms[i] - times_ms[i - 1]);
     std::vector<double> sorted = steps_ms;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     const double step_ms = *middle;
     if (step_ms <= 0) return 0;
-    steps_ms.push_back(1e3 * contents_.duration_s - times_ms_.back());
+    steps_ms.push_back(1e3 * contents_.duration_s - times_ms.back());
     double missing = 0;
     for (const double ms : steps_ms) {
       if (ms > 1.5 * step_ms) missing += std::round(ms / step_ms) - 1;
