@@ -119,6 +119,7 @@ class Recorder::Impl {
       ShowProgress(false);
       std::this_thread::sleep_for(kRest);
     }
+    Work();  // what was received, and acknowledged, before the end was decided
   }
 
   /// Those from whom poses and map come have gone without ending their streams.

@@ -20,11 +20,11 @@ struct RestingMatchesOptions {
   double max_resting_sigmas = 1.5;
   /// ... and moves above so many.
   double min_moving_sigmas = 4;
-  /// There is something at rest only if it has this share of all matches, ...
+  /// There is something at rest only if it has this share of the image, ...
   double min_resting_share = 0.05;
   /// ... if this share moves, ...
   double min_moving_share = 0.5;
-  /// ... and if those in between are at most so many times those at rest.
+  /// ... and if what lies in between is at most so many times what rests.
   double max_between = 0.5;
 
   template <class V>
