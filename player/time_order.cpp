@@ -156,7 +156,8 @@ class Orderer {
     }
     if (stamps_.size() < kLongRun * begins.size()) return false;
     const int64_t step = Median(std::move(steps));
-    const bool mixed = ShortStepsBetweenRuns(run_of, step) > Few(stamps_.size());
+    const bool mixed =
+        ShortStepsBetweenRuns(run_of, step) > Few(stamps_.size()) && !IsEvenWhenSorted();
     const size_t second = begins[1];
     const bool apart = begins.size() == 2 && stamps_.back() < stamps_.front() &&
                        static_cast<double>(stamps_.front() - stamps_.back()) >
@@ -169,6 +170,20 @@ class Orderer {
     }
     result_.jump_us = stamps_[second - 1] + step - stamps_[second];
     return true;
+  }
+
+  /// Whether sorting restores the rhythm of a camera, as of a list that has every second image
+  /// first.
+  bool IsEvenWhenSorted() const {
+    std::vector<int64_t> sorted = stamps_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto usual = static_cast<double>(MedianStep_us(sorted));
+    size_t odd = 0;
+    for (size_t i = 1; i < sorted.size(); ++i) {
+      const auto step = static_cast<double>(sorted[i] - sorted[i - 1]);
+      odd += step < 0.6 * usual || step > 1.4 * usual;
+    }
+    return odd <= Few(sorted.size());
   }
 
   /// Where sorting would put images of two runs closer together than a camera takes them.
