@@ -21,6 +21,7 @@ DRAIN_S = 120.0      # from the player's end to the last process's
 INTERRUPT_S = 30.0   # from Ctrl-C to the player's end
 NOTHING_YET_S = 1.5  # from Ctrl-C to the end of a run in which no frame came through
 CASCADE_S = 20.0     # from the end of a player that failed to the last process's
+CAUSE_S = 1.0        # from the first failure to the player's, which may be its cause
 OUT_OF_TURN_S = 5.0  # a process that ended, before the one upstream of it
 TERMINATE_S = 5.0    # from SIGTERM to SIGKILL
 RECORDER_S = 30.0    # the same for the recorder, which still writes the results
@@ -139,6 +140,7 @@ class Supervisor:
             self._wait(self._restarts.wait_s(TICK_S))
         if not self._needed():
             self._find_faults()  # all may have ended since the last look
+        self._find_cause()
         if self.frames_come and (player.popen.returncode or 0) > 0:
             # A source that broke down half-way still ended its stream: let it be worked off.
             deadline = player.ended_at + CASCADE_S
@@ -195,6 +197,18 @@ class Supervisor:
             if fault and not self._can_do_without(name, fault):
                 self.faults[name] = fault
         return self.faults
+
+    def _find_cause(self):
+        """Who hears that the player failed may end before it does: the player gets a moment to end,
+        and what failed upstream is told first."""
+        player = self.children[self.order[0]]
+        if not self.faults or player.name in self.faults or self.interrupts:
+            return
+        deadline = time.monotonic() + CAUSE_S
+        while player.is_running() and time.monotonic() < deadline:
+            self._wait(TICK_S)
+        self._find_faults()
+        self.faults = {name: self.faults[name] for name in self.order if name in self.faults}
 
     def _get_back(self, name, fault):
         """Plans to start it again, if that makes sense: as long as there is something to come."""

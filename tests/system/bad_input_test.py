@@ -33,7 +33,7 @@ class BadInput(system.SystemTest):
     def test_no_list(self):
         folder = self.copy("no_list")
         (folder / "rgb.txt").unlink()
-        self.assert_refused(folder, "player failed", "rgb.txt")
+        self.assert_refused(folder, "player failed", "no_list: holds no sequence", "rgb/")
 
     def test_empty_list(self):
         folder = self.copy("empty_list")
