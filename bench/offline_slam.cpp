@@ -56,8 +56,7 @@ void Run(const Arguments& arguments, const Settings& settings) {
       if (arguments.verbose) {
         std::fprintf(stderr, "frame %ld state %d live %d inliers %d/%d keyframe %ld\n",
                      static_cast<long>(pose.frame_seq), static_cast<int>(pose.state), pose.live,
-                     pose.inliers, pose.matches,
-                     static_cast<long>(pose.keyframe.value));
+                     pose.inliers, pose.matches, static_cast<long>(pose.keyframe.value));
       }
     }
   };

@@ -55,7 +55,8 @@ int MaxvalOfPnm(const std::vector<uint8_t>& bytes) {
       in_number = true;
       if (value > 65535) return 0;
     } else {
-      if (in_number && ++numbers == 3) return value == 65535 || (value < 256 && text[1] < '5') ? 0 : value;
+      if (in_number && ++numbers == 3)
+        return value == 65535 || (value < 256 && text[1] < '5') ? 0 : value;
       in_number = false;
       in_comment = c == '#';
     }

@@ -129,7 +129,8 @@ template <class T>
 concept IsMatrix = std::derived_from<T, Eigen::MatrixBase<std::remove_const_t<T>>>;
 
 /// Calls f(scalar) for each number of a leaf in the order in which they travel: rotations as w, x,
-/// y, z, matrices row by row, ids as int64_t, enumerations as int32_t. f may change them if T is not const.
+/// y, z, matrices row by row, ids as int64_t, enumerations as int32_t. f may change them if T is
+/// not const.
 template <class T, class F>
 void ForEachScalar(T& value, F&& f) {
   using Value = std::remove_const_t<T>;

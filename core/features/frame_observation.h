@@ -7,8 +7,8 @@
 
 #include "core/features/feature_grid.h"
 #include "core/features/features.h"
-#include "core/geometry/camera.h"
 #include "core/features/line_set.h"
+#include "core/geometry/camera.h"
 
 namespace vpslam {
 

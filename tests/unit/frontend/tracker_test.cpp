@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/sim3.h"
-#include "core/map/owned_map.h"
 #include "core/geometry/so3.h"
+#include "core/map/owned_map.h"
 #include "tests/unit/frontend/lockstep.h"
 
 namespace vpslam {
