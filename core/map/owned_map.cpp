@@ -1,6 +1,9 @@
 #include "core/map/owned_map.h"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include "core/map/invariants.h"
 
 namespace vpslam {
 
@@ -223,6 +226,9 @@ void OwnedMap::SetManhattanOf(KeyframeId id, ManhattanId manhattan) {
 }
 
 std::vector<MapDelta> OwnedMap::TakeDeltas(KeyframeId answers, const MappingTimes& times) {
+#ifndef NDEBUG
+  if (const auto broken = CheckInvariants(*this)) throw std::logic_error(*broken);
+#endif
   std::vector<MapDelta> parts = Parts(changes_);
   changes_ = MapChanges();
   for (MapDelta& part : parts) {

@@ -68,7 +68,8 @@ class OwnedMap : public Map {
   void SetManhattanOf(KeyframeId keyframe, ManhattanId manhattan);
 
   /// Everything that changed since the last call, in parts of a bounded size; each part has its own
-  /// version. `answers` and `times` go into the last part. At least one part.
+  /// version. `answers` and `times` go into the last part. At least one part. In debug builds the
+  /// invariants are checked first.
   std::vector<MapDelta> TakeDeltas(KeyframeId answers, const MappingTimes& times);
 
   /// Forgets what became of landmarks that were fused before version `before`, here and in the
